@@ -1,0 +1,107 @@
+//! Measured errors: the largest distance from the input vertices of a patch to its coarse side.
+//!
+//! Each input vertex is kept with the triangle of the current mesh that was nearest when its patch last changed, so a
+//! modification looks only at the vertices of its own fine side. One-sided, and exact for the patch: a coarse triangle
+//! elsewhere may be nearer, so the number is not below the distance to the whole mesh.
+
+use super::Draft;
+use crate::complex::Slot;
+use crate::id::VertexId;
+use crate::mesh::Mesh;
+use crate::plan::Plan;
+use glam::DVec3;
+
+/// Which input vertices each slot answers for, as lists threaded through the vertices.
+#[derive(Clone, Debug)]
+pub(super) struct Measure {
+    points: Vec<DVec3>,
+    first: Vec<u32>,
+    next: Vec<u32>,
+    /// The vertices of the plan that was measured last, and which made cell is nearest to each.
+    found: Vec<(u32, u32)>,
+    killed: Vec<Slot>,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl Measure {
+    pub(super) fn new<const N: usize>(mesh: &Mesh<N>) -> Self {
+        let mut measure = Self {
+            points: mesh.positions.iter().map(|p| p.as_dvec3()).collect(),
+            first: vec![NONE; mesh.cells.len()],
+            next: vec![NONE; mesh.positions.len()],
+            found: Vec::new(),
+            killed: Vec::new(),
+        };
+        let mut placed = vec![false; mesh.positions.len()];
+        for (slot, cell) in mesh.cells.iter().enumerate() {
+            for v in cell {
+                if !std::mem::replace(&mut placed[v.index()], true) {
+                    measure.give(v.0, slot as u32);
+                }
+            }
+        }
+        measure
+    }
+
+    fn give(&mut self, point: u32, slot: Slot) {
+        self.next[point as usize] = self.first[slot as usize];
+        self.first[slot as usize] = point;
+    }
+
+    /// The distance of the fine side's input vertices to the coarse side. A coarse side without cells has none to
+    /// measure to, and its error is the extent of what it loses.
+    pub(super) fn of_plan<const N: usize>(&mut self, draft: &Draft<N>, plan: &Plan<N>) -> f32 {
+        self.found.clear();
+        self.killed.clear();
+        self.killed.extend_from_slice(&plan.kills);
+        let position = |v: VertexId| match v.index().checked_sub(draft.positions.len()) {
+            Some(new) => plan.vertices[new].as_dvec3(),
+            None => draft.positions[v.index()].as_dvec3(),
+        };
+        let mut worst: f64 = 0.0;
+        for &slot in &plan.kills {
+            let mut point = self.first[slot as usize];
+            while point != NONE {
+                let p = self.points[point as usize];
+                let distances = plan.makes.iter().map(|cell| distance_squared(p, [cell[0], cell[1], cell[2]].map(position)));
+                let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
+                self.found.push((point, nearest.0 as u32));
+                worst = worst.max(nearest.1);
+                point = self.next[point as usize];
+            }
+        }
+        (worst.sqrt() as f32).next_up()
+    }
+
+    /// Hears that the plan measured last was applied, and where its cells went.
+    pub(super) fn applied(&mut self, slots: &[Slot]) {
+        let top = slots.iter().map(|&s| s as usize + 1).max().unwrap_or(0);
+        self.first.resize(self.first.len().max(top), NONE);
+        for slot in std::mem::take(&mut self.killed) {
+            self.first[slot as usize] = NONE;
+        }
+        for (point, made) in std::mem::take(&mut self.found) {
+            if let Some(&slot) = slots.get(made as usize) {
+                self.give(point, slot);
+            }
+        }
+    }
+}
+
+/// Squared distance from a point to a triangle.
+pub(crate) fn distance_squared(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let segment = |a: DVec3, b: DVec3| {
+        let along = b - a;
+        let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        // A segment without length gives 0 / 0; its one point is the nearest.
+        p.distance_squared(if t.is_nan() { a } else { a + along * t })
+    };
+    let normal = (b - a).cross(c - a);
+    let inside = |a: DVec3, b: DVec3| normal.cross(b - a).dot(p - a) >= 0.0;
+    if normal != DVec3::ZERO && inside(a, b) && inside(b, c) && inside(c, a) {
+        let height = (p - a).dot(normal);
+        return height * height / normal.length_squared();
+    }
+    segment(a, b).min(segment(b, c)).min(segment(c, a))
+}

@@ -1,0 +1,211 @@
+//! The loop of analysis: take the cheapest site, plan, apply, record.
+
+use super::measure::Measure;
+use super::queue::Queue;
+use super::{Draft, Operator, Unfit};
+use crate::explicit::{ErrorKind, Explicit, HistoryError, Recorder};
+use crate::id::CellId;
+use crate::mesh::Mesh;
+use crate::plan::{Plan, Refusal, RefusalCounts};
+
+/// When to stop, and what errors to record.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub struct Options {
+    /// Stop at this many cells or as soon below as the operator's steps allow.
+    pub until_cells: Option<u32>,
+    /// Refuse modifications with an error above this, in model units.
+    pub until_error: Option<f32>,
+    /// Which errors to record: the operator's estimates, or measured distances (triangles only).
+    pub error_kind: ErrorKind,
+}
+
+/// Why analysis ended.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Stopped {
+    /// No legal site is left.
+    Exhausted,
+    /// The wanted number of cells is reached.
+    Cells,
+    /// Every site that is left has a larger error than wanted.
+    Error,
+    /// Somebody asked to stop.
+    Cancelled,
+}
+
+impl std::fmt::Display for Stopped {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Stopped::Exhausted => "nothing legal is left",
+            Stopped::Cells => "the wanted number of cells is reached",
+            Stopped::Error => "the wanted error is reached",
+            Stopped::Cancelled => "cancelled",
+        })
+    }
+}
+
+/// What analysis made.
+#[derive(Clone, Debug)]
+pub struct Analysis<const N: usize> {
+    /// The model.
+    pub model: Explicit<N>,
+    /// Refused plans by reason; a site may be refused more than once.
+    pub refusals: RefusalCounts,
+    /// Why it ended.
+    pub stopped: Stopped,
+}
+
+/// How far analysis is.
+#[derive(Copy, Clone, Debug)]
+pub struct Progress {
+    /// Cells of the input.
+    pub cells_in: usize,
+    /// Cells now.
+    pub cells: usize,
+}
+
+/// Why analysis failed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum AnalysisError {
+    /// The operator cannot take the mesh.
+    #[error(transparent)]
+    Unfit(#[from] Unfit),
+    /// The operator told a history that cannot be, which is a fault of the operator.
+    #[error("the operator's modification cannot be recorded: {0}")]
+    History(#[from] HistoryError),
+}
+
+/// Coarsens `mesh` by `operator` and records everything.
+///
+/// `watch` hears of progress every few thousand modifications and answers whether to go on. The result is the same for
+/// the same input, bit for bit. O(s log s) for s sites, besides what the operator costs.
+pub fn simplify<const N: usize, O: Operator<N>>(
+    mesh: &Mesh<N>,
+    operator: &O,
+    options: &Options,
+    watch: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Analysis<N>, AnalysisError> {
+    let mut recorder = Recorder::new(mesh)?;
+    let mut work = Work::new(mesh, operator, options)?;
+    let stopped = work.run(&mut recorder, watch)?;
+    Ok(Analysis { model: recorder.finish(options.error_kind)?, refusals: work.refusals, stopped })
+}
+
+struct Work<'a, const N: usize, O: Operator<N>> {
+    operator: &'a O,
+    options: &'a Options,
+    draft: Draft<N>,
+    aux: O::Aux,
+    queue: Queue<O::Site>,
+    /// Refused sites, tried again when the queue is empty: what was in their way may be gone.
+    parked: Vec<O::Site>,
+    refusals: RefusalCounts,
+    /// The model's name of the cell in each slot.
+    names: Vec<CellId>,
+    measure: Option<Measure>,
+    plan: Plan<N>,
+    slots: Vec<u32>,
+    again: Vec<O::Site>,
+}
+
+impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
+    fn new(mesh: &Mesh<N>, operator: &'a O, options: &'a Options) -> Result<Self, AnalysisError> {
+        let draft = Draft::new(mesh);
+        let mut sites = Vec::new();
+        let aux = operator.prepare(&draft, &mut sites)?;
+        let priced = sites.iter().filter_map(|&site| Some((operator.price(&draft, &aux, site)?, site)));
+        let queue = Queue::new(priced);
+        Ok(Self {
+            operator,
+            options,
+            aux,
+            queue,
+            parked: Vec::new(),
+            refusals: RefusalCounts::default(),
+            names: (0..mesh.cells.len()).map(CellId::new).collect(),
+            measure: (options.error_kind == ErrorKind::Measured && N == 3).then(|| Measure::new(mesh)),
+            draft,
+            plan: Plan::default(),
+            slots: Vec::new(),
+            again: Vec::new(),
+        })
+    }
+
+    fn run(&mut self, recorder: &mut Recorder<N>, watch: &mut dyn FnMut(Progress) -> bool) -> Result<Stopped, AnalysisError> {
+        let cells_in = self.draft.complex.cell_count();
+        let mut applied_since_parking = true;
+        let mut too_coarse = false;
+        for turn in 0u64.. {
+            let cells = self.draft.complex.cell_count();
+            if self.options.until_cells.is_some_and(|wanted| cells <= wanted as usize) {
+                return Ok(Stopped::Cells);
+            }
+            if turn.is_multiple_of(4096) && !watch(Progress { cells_in, cells }) {
+                return Ok(Stopped::Cancelled);
+            }
+            let Some(site) = self.queue.pop() else {
+                if !applied_since_parking || self.parked.is_empty() {
+                    break;
+                }
+                applied_since_parking = false;
+                self.unpark();
+                continue;
+            };
+            match self.try_site(site) {
+                Ok(()) if self.options.until_error.is_some_and(|most| self.plan.error > most) => too_coarse = true,
+                Ok(()) => {
+                    self.apply(recorder)?;
+                    applied_since_parking = true;
+                }
+                Err(Refusal::Stale) => {}
+                Err(refusal) => {
+                    self.refusals.add(refusal);
+                    self.parked.push(site);
+                }
+            }
+        }
+        Ok(if too_coarse { Stopped::Error } else { Stopped::Exhausted })
+    }
+
+    fn unpark(&mut self) {
+        for site in std::mem::take(&mut self.parked) {
+            if let Some(price) = self.operator.price(&self.draft, &self.aux, site) {
+                self.queue.push(price, site);
+            }
+        }
+    }
+
+    fn try_site(&mut self, site: O::Site) -> Result<(), Refusal> {
+        self.plan.clear();
+        self.operator.plan(&self.draft, &self.aux, site, &mut self.plan)?;
+        if let Some(measure) = &mut self.measure {
+            self.plan.error = measure.of_plan(&self.draft, &self.plan);
+        }
+        Ok(())
+    }
+
+    fn apply(&mut self, recorder: &mut Recorder<N>) -> Result<(), HistoryError> {
+        for &slot in &self.plan.kills {
+            recorder.kill(self.names[slot as usize])?;
+        }
+        for &position in &self.plan.vertices {
+            recorder.vertex(position)?;
+        }
+        self.draft.apply(&self.plan, &mut self.slots);
+        self.names.resize(self.draft.complex.slot_count(), CellId::NONE);
+        for (&slot, &corners) in self.slots.iter().zip(&self.plan.makes) {
+            self.names[slot as usize] = recorder.make(corners)?;
+        }
+        recorder.end(self.plan.error)?;
+        if let Some(measure) = &mut self.measure {
+            measure.applied(&self.slots);
+        }
+        self.again.clear();
+        self.operator.applied(&self.draft, &mut self.aux, &self.plan, &mut self.again);
+        for &site in &self.again {
+            if let Some(price) = self.operator.price(&self.draft, &self.aux, site) {
+                self.queue.push(price, site);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,220 @@
+//! Bounds of modifications: a sphere, an error and a cone of normals, saturated and rounded outwards.
+//!
+//! A bound is saturated when it contains the bounds of all that is discovered under it, so a criterion that is
+//! monotone in the bound never asks for a node without asking for the one above. Rounding is always outwards: what
+//! contains in real numbers contains in the stored ones.
+
+use crate::mesh::area_vector;
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, Vec3};
+
+/// Bound of a modification. 24 bytes.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Bound {
+    /// Centre of a sphere around the patch and all that is discovered under it.
+    pub center: Vec3,
+    /// Its radius, in model units.
+    pub radius: f32,
+    /// Error of the coarse side, not below that of anything discovered under it; in model units.
+    pub error: f32,
+    /// Normals of both sides and of all that is discovered under it.
+    pub cone: Cone,
+}
+
+const _: () = assert!(size_of::<Bound>() == 24);
+
+impl Bound {
+    /// The bound of a patch by itself. O(vertices of the patch).
+    pub fn of_patch(points: &[Vec3], error: f32, cone: Cone) -> Self {
+        let (center, radius) = sphere_around(points);
+        Self { center, radius, error, cone }
+    }
+
+    /// Grows `self` until it contains `other`.
+    pub fn include(&mut self, other: &Bound) {
+        (self.center, self.radius) = sphere_union((self.center, self.radius), (other.center, other.radius));
+        self.error = self.error.max(other.error);
+        self.cone = self.cone.union(other.cone);
+    }
+
+    /// Whether `self` contains `other`, in every part.
+    pub fn contains(&self, other: &Bound) -> bool {
+        let apart = self.center.as_dvec3().distance(other.center.as_dvec3());
+        apart + f64::from(other.radius) <= f64::from(self.radius)
+            && self.error >= other.error
+            && self.cone.contains(other.cone)
+    }
+
+    /// Distance from `p` to the sphere, rounded towards 0; 0 inside.
+    pub fn distance(&self, p: Vec3) -> f32 {
+        let apart = self.center.distance(p);
+        ((apart - self.radius) - (apart + self.radius) * 4.0 * f32::EPSILON).max(0.0)
+    }
+}
+
+/// Rounds a non-negative length up to `f32`, with room for the rounding of the `f64` sums it came from.
+fn up(length: f64) -> f32 {
+    ((length * (1.0 + 1e-14)) as f32).next_up()
+}
+
+fn sphere_around(points: &[Vec3]) -> (Vec3, f32) {
+    let Some(&first) = points.first() else { return (Vec3::ZERO, 0.0) };
+    let (low, high) = points.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
+    let center = low + (high - low) * 0.5;
+    let radius = points.iter().map(|p| p.as_dvec3().distance_squared(center.as_dvec3())).fold(0.0, f64::max).sqrt();
+    (center, up(radius))
+}
+
+fn sphere_union(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
+    let (center_a, center_b) = (a.0.as_dvec3(), b.0.as_dvec3());
+    let (radius_a, radius_b) = (f64::from(a.1), f64::from(b.1));
+    let apart = center_a.distance(center_b);
+    if apart + radius_b <= radius_a {
+        return a;
+    }
+    if apart + radius_a <= radius_b {
+        return b;
+    }
+    let center = center_a.lerp(center_b, 0.5 + (radius_b - radius_a) / (2.0 * apart)).as_vec3();
+    let reach = |c: DVec3, r: f64| c.distance(center.as_dvec3()) + r;
+    (center, up(reach(center_a, radius_a).max(reach(center_b, radius_b))))
+}
+
+/// A cone of unit normals in 4 bytes: an axis on a grid of 127 steps, and a half-angle in steps of π/254, rounded up.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Cone {
+    axis: [i8; 3],
+    /// 0 to 254: half-angle in steps of π/254; 255: no normal at all.
+    angle: u8,
+}
+
+impl Default for Cone {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
+/// What an axis may be off by after it is put on the grid, in radians; checked by a test.
+const STEPS: f32 = 254.0;
+
+impl Cone {
+    /// No normal.
+    pub const EMPTY: Cone = Cone { axis: [0; 3], angle: 255 };
+    /// Every normal.
+    pub const ALL: Cone = Cone { axis: [0, 0, 127], angle: 254 };
+
+    /// The axis, a unit vector; and the half-angle in radians, 0 to π. `None` without normals.
+    pub fn get(self) -> Option<(Vec3, f32)> {
+        let axis = Vec3::from(self.axis.map(f32::from)).normalize_or(Vec3::Z);
+        (self != Self::EMPTY).then(|| (axis, f32::from(self.angle) * std::f32::consts::PI / STEPS))
+    }
+
+    /// A cone about `axis` that holds everything within `angle` radians of it, rounded outwards.
+    pub fn new(axis: Vec3, angle: f32) -> Self {
+        let Some(axis) = axis.try_normalize() else { return Self::ALL };
+        let grid = (axis * (127.0 / axis.abs().max_element())).round().to_array().map(|x| x as i8);
+        let moved = Cone { axis: grid, angle: 0 }.get().map_or(0.0, |(a, _)| a.angle_between(axis));
+        let steps = ((angle + moved + 1e-3) * STEPS / std::f32::consts::PI).ceil();
+        if steps < STEPS { Cone { axis: grid, angle: steps as u8 } } else { Self::ALL }
+    }
+
+    /// The cone of the normals of these vectors (twice the area of a triangle along its normal); zero ones count as
+    /// all, since a triangle without area has no normal to speak of.
+    pub fn of_vectors(vectors: &[Vec3]) -> Self {
+        if vectors.is_empty() {
+            return Self::EMPTY;
+        }
+        let sum: Vec3 = vectors.iter().map(|v| v.normalize_or_zero()).sum();
+        let Some(axis) = sum.try_normalize() else { return Self::ALL };
+        let least = vectors.iter().map(|v| v.normalize_or_zero().dot(axis)).fold(1.0, f32::min);
+        if vectors.contains(&Vec3::ZERO) { Self::ALL } else { Self::new(axis, least.clamp(-1.0, 1.0).acos()) }
+    }
+
+    /// The least cone, up to rounding outwards, that holds both.
+    pub fn union(self, other: Cone) -> Cone {
+        if other == Self::EMPTY || self.contains(other) {
+            return self;
+        }
+        if self == Self::EMPTY || other.contains(self) {
+            return other;
+        }
+        let (Some((axis_a, angle_a)), Some((axis_b, angle_b))) = (self.get(), other.get()) else { return Self::ALL };
+        let apart = axis_a.angle_between(axis_b);
+        let half = (apart + angle_a + angle_b) * 0.5;
+        let side = (axis_b - axis_a * axis_a.dot(axis_b)).normalize_or_zero();
+        if half >= std::f32::consts::PI || side == Vec3::ZERO {
+            return Self::ALL;
+        }
+        let turn = half - angle_a;
+        Self::new(axis_a * turn.cos() + side * turn.sin(), half)
+    }
+
+    /// Whether every normal of `other` is one of `self`.
+    pub fn contains(self, other: Cone) -> bool {
+        if other == Self::EMPTY || self.angle == 254 {
+            return true;
+        }
+        let (Some((axis_a, angle_a)), Some((axis_b, angle_b))) = (self.get(), other.get()) else { return false };
+        self.axis == other.axis && self.angle >= other.angle || axis_a.angle_between(axis_b) + angle_b + 1e-4 <= angle_a
+    }
+}
+
+/// The cone of normals of these cells: of triangles in space; every normal for cells of other dimensions.
+pub fn cone_of_cells<const N: usize>(corners: impl Iterator<Item = [Vec3; N]>, scratch: &mut Vec<Vec3>) -> Cone {
+    if N != 3 {
+        return Cone::ALL;
+    }
+    scratch.clear();
+    scratch.extend(corners.map(|c| area_vector([c[0].as_dvec3(), c[1].as_dvec3(), c[2].as_dvec3()]).as_vec3()));
+    Cone::of_vectors(scratch)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn point() -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(-1000f32..1000.0).prop_map(Vec3::from)
+    }
+
+    fn direction() -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(-1f32..1.0).prop_filter_map("no direction", |v| Vec3::from(v).try_normalize())
+    }
+
+    proptest! {
+        #[test]
+        fn spheres_hold_their_points(points in prop::collection::vec(point(), 1..20)) {
+            let bound = Bound::of_patch(&points, 0.0, Cone::EMPTY);
+            for p in &points {
+                prop_assert!(p.as_dvec3().distance(bound.center.as_dvec3()) <= f64::from(bound.radius));
+                prop_assert_eq!(bound.distance(*p), 0.0);
+            }
+        }
+
+        #[test]
+        fn unions_contain_both(a in point(), b in point(), ra in 0f32..100.0, rb in 0f32..100.0,
+                               x in direction(), y in direction(), s in 0f32..3.2, t in 0f32..3.2) {
+            let one = Bound { center: a, radius: ra, error: 1.0, cone: Cone::new(x, s) };
+            let two = Bound { center: b, radius: rb, error: 2.0, cone: Cone::new(y, t) };
+            let mut both = one;
+            both.include(&two);
+            prop_assert!(both.contains(&one) && both.contains(&two));
+        }
+
+        #[test]
+        fn cones_hold_their_normals(normals in prop::collection::vec(direction(), 1..12)) {
+            let cone = Cone::of_vectors(&normals);
+            let (axis, angle) = cone.get().unwrap();
+            for n in normals { prop_assert!(axis.angle_between(n) <= angle, "{:?} {:?}", cone, n); }
+        }
+
+        #[test]
+        fn cones_round_outwards(axis in direction(), angle in 0f32..3.0) {
+            let (grid, wider) = Cone::new(axis, angle).get().unwrap();
+            prop_assert!(grid.angle_between(axis) + angle <= wider);
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Cells and their facets: orientation and nothing about space.
+
+use crate::id::VertexId;
+
+/// The corners of a cell: 3 of a triangle, 4 of a tetrahedron. Their order up to even permutations is the orientation.
+pub type Cell<const N: usize> = [VertexId; N];
+
+/// A facet of a cell with `N` corners: its `N - 1` vertices ascending, then [`VertexId::NONE`].
+#[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Facet<const N: usize>(pub [VertexId; N]);
+
+impl<const N: usize> Facet<N> {
+    /// The vertices of the facet, ascending.
+    pub fn vertices(&self) -> &[VertexId] {
+        &self.0[..N - 1]
+    }
+}
+
+/// The facet opposite corner `i`, and whether the orientation it inherits is that of its ascending vertices.
+///
+/// The boundary of `[v0, ..]` is the sum of `(-1)^i [.. without vi ..]`.
+pub fn facet<const N: usize>(cell: &Cell<N>, i: usize) -> (Facet<N>, bool) {
+    let mut corners = [VertexId::NONE; N];
+    let mut length = 0;
+    let mut positive = i.is_multiple_of(2);
+    for (k, &v) in cell.iter().enumerate().filter(|(k, _)| *k != i) {
+        debug_assert!(k < N);
+        let mut at = length;
+        while at > 0 && corners[at - 1] > v {
+            corners[at] = corners[at - 1];
+            at -= 1;
+            positive = !positive;
+        }
+        corners[at] = v;
+        length += 1;
+    }
+    (Facet(corners), positive)
+}
+
+/// All facets of a cell with their inherited orientations.
+pub fn facets<const N: usize>(cell: &Cell<N>) -> impl Iterator<Item = (Facet<N>, bool)> + '_ {
+    (0..N).map(move |i| facet(cell, i))
+}
+
+/// Whether all corners differ.
+pub fn is_proper<const N: usize>(cell: &Cell<N>) -> bool {
+    (1..N).all(|i| !cell[..i].contains(&cell[i]))
+}
+
+/// The same oriented cell with its smallest corner first, for comparing cells as geometry rather than by id.
+///
+/// Two cells have the same canonical form exactly when an even permutation of corners takes one to the other.
+pub fn canonical<const N: usize>(cell: &Cell<N>) -> Cell<N> {
+    let mut sorted = *cell;
+    let mut even = true;
+    for i in 1..N {
+        let mut at = i;
+        while at > 0 && sorted[at - 1] > sorted[at] {
+            sorted.swap(at - 1, at);
+            even = !even;
+            at -= 1;
+        }
+    }
+    if !even {
+        sorted.swap(N - 2, N - 1);
+    }
+    sorted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ids<const N: usize>(corners: [u32; N]) -> Cell<N> {
+        corners.map(VertexId)
+    }
+
+    #[test]
+    fn the_boundary_of_a_boundary_vanishes() {
+        // Facets of a tetrahedron, oriented as inherited, meet along each edge in opposite directions.
+        let cell = ids([7, 2, 9, 4]);
+        let mut edges = std::collections::BTreeMap::<_, i32>::new();
+        for (face, positive) in facets(&cell) {
+            let mut corners = [face.0[0], face.0[1], face.0[2]];
+            if !positive {
+                corners.swap(0, 1);
+            }
+            for (edge, sign) in facets(&corners) {
+                *edges.entry(edge).or_default() += if sign { 1 } else { -1 };
+            }
+        }
+        assert_eq!(edges.len(), 6);
+        assert!(edges.values().all(|&sum| sum == 0));
+    }
+
+    #[test]
+    fn canonical_form_keeps_orientation() {
+        assert_eq!(canonical(&ids([3, 1, 2])), ids([1, 2, 3]));
+        assert_eq!(canonical(&ids([1, 3, 2])), canonical(&ids([2, 1, 3])));
+        assert_ne!(canonical(&ids([1, 3, 2])), canonical(&ids([1, 2, 3])));
+        assert_eq!(canonical(&ids([2, 1, 4, 3])), ids([1, 2, 3, 4]));
+    }
+}

@@ -1,0 +1,222 @@
+//! A simplicial complex that changes: cells, and the star of each vertex. No position is in sight.
+//!
+//! The star of a vertex is a list threaded through the corners of its cells, so a
+//! cell costs `8 N` bytes and a vertex 4, nothing is allocated while cells come
+//! and go, and a complex need not be a manifold.
+
+use crate::cell::{Cell, Facet, facet};
+use crate::id::VertexId;
+use crate::plan::Plan;
+
+/// The place of a live cell in a [`Complex`]. Places are reused; names of cells in a model are [`crate::CellId`]s.
+pub type Slot = u32;
+
+const NONE: u32 = u32::MAX;
+
+/// Cells of `N` corners with the star of each vertex.
+#[derive(Clone, Debug)]
+pub struct Complex<const N: usize> {
+    cells: Vec<Cell<N>>,
+    /// Of each corner: the next corner (as `slot * N + i`) at the same vertex.
+    next: Vec<[u32; N]>,
+    /// Of each vertex: its first corner.
+    first: Vec<u32>,
+    free: Vec<Slot>,
+}
+
+impl<const N: usize> Complex<N> {
+    /// The complex of these cells; slot `i` holds cell `i`. O(cells).
+    ///
+    /// Requires: corners below `vertex_count`, and different within a cell.
+    pub fn new(vertex_count: usize, cells: &[Cell<N>]) -> Self {
+        let mut complex = Self {
+            cells: cells.to_vec(),
+            next: vec![[NONE; N]; cells.len()],
+            first: vec![NONE; vertex_count],
+            free: Vec::new(),
+        };
+        for slot in (0..cells.len() as u32).rev() {
+            for i in 0..N {
+                complex.link_corner(slot, i);
+            }
+        }
+        complex
+    }
+
+    /// Number of live cells.
+    pub fn cell_count(&self) -> usize {
+        self.cells.len() - self.free.len()
+    }
+
+    /// Number of vertices ever made, live or not.
+    pub fn vertex_count(&self) -> usize {
+        self.first.len()
+    }
+
+    /// Upper bound of all slots.
+    pub fn slot_count(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// The corners of the cell in `slot`; all [`VertexId::NONE`] where there is none.
+    #[inline]
+    pub fn cell(&self, slot: Slot) -> &Cell<N> {
+        &self.cells[slot as usize]
+    }
+
+    /// Whether a cell is in `slot`.
+    pub fn is_live(&self, slot: Slot) -> bool {
+        !self.cells[slot as usize][0].is_none()
+    }
+
+    /// The live cells and their slots.
+    pub fn cells(&self) -> impl Iterator<Item = (Slot, &Cell<N>)> {
+        self.cells.iter().enumerate().filter(|(_, cell)| !cell[0].is_none()).map(|(slot, cell)| (slot as u32, cell))
+    }
+
+    /// Whether any cell uses `v`.
+    #[inline]
+    pub fn has_star(&self, v: VertexId) -> bool {
+        self.first[v.index()] != NONE
+    }
+
+    /// The star of `v`: each cell around it, and which of its corners `v` is. O(star).
+    #[inline]
+    pub fn star(&self, v: VertexId) -> Star<'_, N> {
+        Star { complex: self, corner: self.first[v.index()] }
+    }
+
+    /// The link of `v`: the facet opposite `v` in each cell of its star.
+    pub fn link(&self, v: VertexId) -> impl Iterator<Item = Facet<N>> + '_ {
+        self.star(v).map(|(slot, i)| facet(self.cell(slot), i).0)
+    }
+
+    /// The vertices that share a cell with `v`, ascending, written over `out`.
+    pub fn neighbours(&self, v: VertexId, out: &mut Vec<VertexId>) {
+        out.clear();
+        for (slot, i) in self.star(v) {
+            out.extend(self.cell(slot).iter().enumerate().filter(|(k, _)| *k != i).map(|(_, &w)| w));
+        }
+        out.sort_unstable();
+        out.dedup();
+    }
+
+    /// How many cells have both `u` and `v`. O(star of `u`).
+    pub fn edge_degree(&self, u: VertexId, v: VertexId) -> usize {
+        self.star(u).filter(|&(slot, _)| self.cell(slot).contains(&v)).count()
+    }
+
+    /// The facets that belong to exactly one cell. O(cells log cells).
+    pub fn boundary(&self) -> Vec<Facet<N>> {
+        let mut all: Vec<_> = self.cells().flat_map(|(_, cell)| (0..N).map(move |i| facet(cell, i).0)).collect();
+        all.sort_unstable();
+        all.chunk_by(|a, b| a == b).filter(|run| run.len() == 1).map(|run| run[0]).collect()
+    }
+
+    /// Adds a vertex without cells.
+    pub fn add_vertex(&mut self) -> VertexId {
+        self.first.push(NONE);
+        VertexId::new(self.first.len() - 1)
+    }
+
+    /// Applies a plan: makes its vertices, kills and makes its cells. O(stars of the patch's vertices).
+    ///
+    /// `makes[i]` takes the slot of `kills[i]`, so corners that stay cost nothing; the slots that cells beyond
+    /// these take are written to `slots`. Requires: a plan made for this complex as it is.
+    pub fn apply(&mut self, plan: &Plan<N>, slots: &mut Vec<Slot>) {
+        slots.clear();
+        for _ in &plan.vertices {
+            self.add_vertex();
+        }
+        for v in &plan.retired {
+            debug_assert!(self.star(*v).all(|(slot, _)| plan.kills.contains(&slot)), "a retired vertex keeps a cell");
+            self.first[v.index()] = NONE;
+        }
+        for (i, &slot) in plan.kills.iter().enumerate() {
+            match plan.makes.get(i) {
+                Some(cell) => {
+                    self.replace(slot, cell, &plan.retired);
+                    slots.push(slot);
+                }
+                None => {
+                    self.replace(slot, &[VertexId::NONE; N], &plan.retired);
+                    self.free.push(slot);
+                }
+            }
+        }
+        for cell in plan.makes.iter().skip(plan.kills.len()) {
+            slots.push(self.insert(cell));
+        }
+    }
+
+    fn insert(&mut self, cell: &Cell<N>) -> Slot {
+        let slot = self.free.pop().unwrap_or_else(|| {
+            self.cells.push([VertexId::NONE; N]);
+            self.next.push([NONE; N]);
+            self.cells.len() as u32 - 1
+        });
+        self.replace(slot, cell, &[]);
+        slot
+    }
+
+    fn replace(&mut self, slot: Slot, new: &Cell<N>, retired: &[VertexId]) {
+        let old = self.cells[slot as usize];
+        for i in 0..N {
+            if old[i] != new[i] && !old[i].is_none() && !retired.contains(&old[i]) {
+                self.unlink_corner(slot, i);
+            }
+        }
+        self.cells[slot as usize] = *new;
+        for i in 0..N {
+            if old[i] != new[i] && !new[i].is_none() {
+                self.link_corner(slot, i);
+            }
+        }
+    }
+
+    fn link_corner(&mut self, slot: Slot, i: usize) {
+        let v = self.cells[slot as usize][i].index();
+        self.next[slot as usize][i] = self.first[v];
+        self.first[v] = slot * N as u32 + i as u32;
+    }
+
+    fn unlink_corner(&mut self, slot: Slot, i: usize) {
+        let corner = slot * N as u32 + i as u32;
+        let v = self.cells[slot as usize][i].index();
+        let after = self.next[slot as usize][i];
+        if self.first[v] == corner {
+            self.first[v] = after;
+            return;
+        }
+        let mut at = self.first[v];
+        loop {
+            let next = &mut self.next[at as usize / N][at as usize % N];
+            if *next == corner {
+                *next = after;
+                return;
+            }
+            at = *next;
+        }
+    }
+}
+
+/// Iterator over the star of a vertex: the slot of each cell and the corner at which the vertex is.
+#[derive(Clone, Debug)]
+pub struct Star<'a, const N: usize> {
+    complex: &'a Complex<N>,
+    corner: u32,
+}
+
+impl<const N: usize> Iterator for Star<'_, N> {
+    type Item = (Slot, usize);
+
+    #[inline]
+    fn next(&mut self) -> Option<(Slot, usize)> {
+        if self.corner == NONE {
+            return None;
+        }
+        let (slot, i) = (self.corner / N as u32, self.corner as usize % N);
+        self.corner = self.complex.next[slot as usize][i];
+        Some((slot, i))
+    }
+}

@@ -1,0 +1,105 @@
+//! When a collapse keeps a manifold a manifold, and no triangle turns over.
+
+use glam::{DVec3, Vec3};
+use mt_core::analysis::Draft;
+use mt_core::mesh::area_vector;
+use mt_core::{Complex, Refusal, VertexId};
+
+/// The link condition for an edge of a manifold: `Lk(u) ∩ Lk(v) = Lk(uv)`, in vertices and in edges, with a cone vertex
+/// over the boundary ([DeyEdelsbrunner1999]). O(degree of u × degree of v).
+pub(super) fn link_condition(
+    complex: &Complex<3>,
+    [u, v]: [VertexId; 2],
+    on_boundary: [bool; 2],
+    scratch: &mut Vec<VertexId>,
+) -> Result<(), Refusal> {
+    ring(complex, u, scratch);
+    let mut shared = [VertexId::NONE; 2];
+    let mut count = 0;
+    for (slot, i) in complex.star(u) {
+        let cell = complex.cell(slot);
+        if let Some(&apex) = cell.iter().enumerate().find(|&(k, &w)| k != i && w != v).filter(|_| cell.contains(&v)).map(|(_, w)| w) {
+            if count == 2 {
+                return Err(Refusal::Link);
+            }
+            shared[count] = apex;
+            count += 1;
+        }
+    }
+    if count == 2 && on_boundary == [true, true] {
+        return Err(Refusal::Pinch);
+    }
+    if common_neighbours(complex, u, v, scratch) != count {
+        return Err(Refusal::Link);
+    }
+    let closes = match (count, shared) {
+        // Both ends share an edge of their links: the last tetrahedron.
+        (2, [a, b]) => has_triangle(complex, u, a, b) && has_triangle(complex, v, a, b),
+        // The cone's edge: a triangle on its own.
+        (1, [apex, _]) => complex.edge_degree(u, apex) == 1 && complex.edge_degree(v, apex) == 1,
+        _ => true,
+    };
+    if closes { Err(Refusal::Link) } else { Ok(()) }
+}
+
+/// The vertices around `u`, each once, written over `out`.
+fn ring(complex: &Complex<3>, u: VertexId, out: &mut Vec<VertexId>) {
+    out.clear();
+    for (slot, i) in complex.star(u) {
+        let cell = complex.cell(slot);
+        for w in [cell[(i + 1) % 3], cell[(i + 2) % 3]] {
+            if !out.contains(&w) {
+                out.push(w);
+            }
+        }
+    }
+}
+
+/// How many of the vertices around `v` are in `ring_of_u`, `u` not counted. Uses up the ring.
+fn common_neighbours(complex: &Complex<3>, u: VertexId, v: VertexId, ring_of_u: &mut Vec<VertexId>) -> usize {
+    let mut count = 0;
+    for (slot, i) in complex.star(v) {
+        let cell = complex.cell(slot);
+        for w in [cell[(i + 1) % 3], cell[(i + 2) % 3]] {
+            if let Some(at) = ring_of_u.iter().position(|&x| x == w && w != u) {
+                ring_of_u.swap_remove(at);
+                count += 1;
+            }
+        }
+    }
+    count
+}
+
+fn has_triangle(complex: &Complex<3>, u: VertexId, a: VertexId, b: VertexId) -> bool {
+    complex.star(u).any(|(slot, _)| complex.cell(slot).contains(&a) && complex.cell(slot).contains(&b))
+}
+
+/// Refuses when a triangle of either star that survives would turn by more than the cosine allows, or lose its area.
+pub(super) fn fold_over(draft: &Draft<3>, ends: [VertexId; 2], position: Vec3, cosine: f64) -> Result<(), Refusal> {
+    for end in ends {
+        let [old, new] = [draft.positions[end.index()], position].map(|p| p.as_dvec3());
+        if old == new {
+            continue;
+        }
+        for (slot, i) in draft.complex.star(end) {
+            let cell = draft.complex.cell(slot);
+            if !(cell.contains(&ends[0]) && cell.contains(&ends[1])) {
+                let [a, b] = [cell[(i + 1) % 3], cell[(i + 2) % 3]].map(|v| draft.positions[v.index()].as_dvec3());
+                turn([old, a, b], [new, a, b], cosine)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn turn(before: [DVec3; 3], after: [DVec3; 3], cosine: f64) -> Result<(), Refusal> {
+    let (old, new) = (area_vector(before), area_vector(after));
+    if new == DVec3::ZERO {
+        // A triangle that had no area cannot lose it.
+        return if old == DVec3::ZERO { Ok(()) } else { Err(Refusal::Degenerate) };
+    }
+    let dot = old.dot(new);
+    let most = old.length_squared() * new.length_squared() * cosine * cosine;
+    let turned = if cosine >= 0.0 { dot < 0.0 || dot * dot < most } else { dot < 0.0 && dot * dot > most };
+    if turned { Err(Refusal::FoldOver) } else { Ok(()) }
+}

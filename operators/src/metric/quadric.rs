@@ -1,0 +1,154 @@
+//! The quadric error metric of [GarlandHeckbert1997], weighted by area.
+//!
+//! A quadric is a weighted sum of squared distances to planes. Ours also carries the sum of its weights, so that
+//! `sqrt(value / weight)` is a root mean square distance in model units. Deviation from the paper: planes are weighted
+//! by area (as in Garland's thesis), boundary planes by squared length times a factor that the caller chooses.
+
+use glam::DVec3;
+use std::ops::{Add, AddAssign};
+
+/// Sum of weighted squared distances to planes: `p A p + 2 b p + c`. 88 bytes.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub struct Quadric {
+    /// `xx, yy, zz` of `A`.
+    diagonal: DVec3,
+    /// `yz, xz, xy` of `A`.
+    mixed: DVec3,
+    linear: DVec3,
+    constant: f64,
+    weight: f64,
+}
+
+impl Quadric {
+    /// `weight` times the squared distance to the plane through `point` with this unit normal.
+    pub fn of_plane(point: DVec3, normal: DVec3, weight: f64) -> Self {
+        let offset = -normal.dot(point);
+        Self {
+            diagonal: normal * normal * weight,
+            mixed: DVec3::new(normal.y * normal.z, normal.x * normal.z, normal.x * normal.y) * weight,
+            linear: normal * (offset * weight),
+            constant: offset * offset * weight,
+            weight,
+        }
+    }
+
+    /// The area of a triangle times the squared distance to its plane; nothing for a triangle without area.
+    pub fn of_triangle(corners: [DVec3; 3]) -> Self {
+        let vector = mt_core::mesh::area_vector(corners);
+        let double_area = vector.length();
+        match vector.try_normalize() {
+            Some(normal) => Self::of_plane(corners[0], normal, double_area * 0.5),
+            None => Self::default(),
+        }
+    }
+
+    /// The plane along the edge `a b`, upright on the triangle with this area vector: it holds a boundary in place.
+    pub fn of_boundary_edge(a: DVec3, b: DVec3, area_vector: DVec3, factor: f64) -> Self {
+        match (b - a).cross(area_vector).try_normalize() {
+            Some(normal) => Self { weight: 0.0, ..Self::of_plane(a, normal, (b - a).length_squared() * factor) },
+            None => Self::default(),
+        }
+    }
+
+    /// The sum of weighted squared distances from `p`, not below 0.
+    #[inline]
+    pub fn value(&self, p: DVec3) -> f64 {
+        let mixed = self.mixed.x * p.y * p.z + self.mixed.y * p.x * p.z + self.mixed.z * p.x * p.y;
+        (self.diagonal.dot(p * p) + 2.0 * (mixed + self.linear.dot(p)) + self.constant).max(0.0)
+    }
+
+    /// The root mean square distance from `p` to the planes, in model units: an estimate of the distance to the surface.
+    pub fn distance(&self, p: DVec3) -> f64 {
+        if self.weight > 0.0 { (self.value(p) / self.weight).sqrt() } else { 0.0 }
+    }
+
+    /// The point of least value, where the planes pin one down well enough.
+    #[inline]
+    pub fn minimum(&self) -> Option<DVec3> {
+        let (d, m) = (self.diagonal, self.mixed);
+        let adjugate_diagonal =
+            DVec3::new(d.y * d.z - m.x * m.x, d.x * d.z - m.y * m.y, d.x * d.y - m.z * m.z);
+        let adjugate_mixed = DVec3::new(m.y * m.z - d.x * m.x, m.x * m.z - d.y * m.y, m.x * m.y - d.z * m.z);
+        let determinant = d.x * adjugate_diagonal.x + m.z * adjugate_mixed.z + m.y * adjugate_mixed.y;
+        let scale = d.element_sum();
+        // Relative to the trace, so that the unit of the model does not matter.
+        if determinant <= 1e-7 * scale * scale * scale {
+            return None;
+        }
+        let l = self.linear;
+        let product = adjugate_diagonal * l
+            + DVec3::new(
+                adjugate_mixed.z * l.y + adjugate_mixed.y * l.z,
+                adjugate_mixed.z * l.x + adjugate_mixed.x * l.z,
+                adjugate_mixed.y * l.x + adjugate_mixed.x * l.y,
+            );
+        Some(-product / determinant)
+    }
+
+    /// The point of least value on the segment `a b`.
+    pub fn minimum_on(&self, a: DVec3, b: DVec3) -> DVec3 {
+        // Along the segment the value is a parabola, given by its ends and its middle.
+        let (at_a, at_b, middle) = (self.value(a), self.value(b), self.value(a.lerp(b, 0.5)));
+        let bend = 2.0 * (at_a + at_b) - 4.0 * middle;
+        if bend > 1e-12 * (at_a + at_b) {
+            let slope = 4.0 * middle - 3.0 * at_a - at_b;
+            return a.lerp(b, (-slope / (2.0 * bend)).clamp(0.0, 1.0));
+        }
+        if at_a < at_b { a } else if at_b < at_a { b } else { a.lerp(b, 0.5) }
+    }
+}
+
+impl Add for Quadric {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self {
+            diagonal: self.diagonal + other.diagonal,
+            mixed: self.mixed + other.mixed,
+            linear: self.linear + other.linear,
+            constant: self.constant + other.constant,
+            weight: self.weight + other.weight,
+        }
+    }
+}
+
+impl AddAssign for Quadric {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn point() -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(-1f64..1.0).prop_map(DVec3::from)
+    }
+
+    proptest! {
+        #[test]
+        fn value_is_the_squared_distance(a in point(), b in point(), c in point(), p in point()) {
+            let vector = mt_core::mesh::area_vector([a, b, c]);
+            prop_assume!(vector.length() > 1e-3);
+            let height = (p - a).dot(vector.normalize());
+            let quadric = Quadric::of_triangle([a, b, c]);
+            prop_assert!((quadric.value(p) - height * height * vector.length() * 0.5).abs() < 1e-9);
+            prop_assert!((quadric.distance(p) - height.abs()).abs() < 1e-6);
+        }
+
+        #[test]
+        fn no_other_point_is_better_than_the_minimum(points in prop::collection::vec(point(), 12), p in point()) {
+            let quadric = points.chunks(3).map(|c| Quadric::of_triangle([c[0], c[1], c[2]])).fold(Quadric::default(), Add::add);
+            if let Some(best) = quadric.minimum() {
+                prop_assert!(quadric.value(best) <= quadric.value(p) + 1e-9);
+            }
+            let (a, b) = (points[0], points[1]);
+            let best = quadric.minimum_on(a, b);
+            for t in 0..=10 {
+                prop_assert!(quadric.value(best) <= quadric.value(a.lerp(b, f64::from(t) / 10.0)) + 1e-9);
+            }
+        }
+    }
+}
