@@ -1,0 +1,128 @@
+//! Laws on an explicit model as a whole: conformity of each modification, cells, saturation.
+
+use super::{Breach, Law, ensure};
+use crate::cell::{Facet, facets};
+use crate::explicit::Explicit;
+use crate::id::NodeId;
+use crate::mesh::{area_vector, volume_six};
+use crate::model::MultiTessellation;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// What every mesh of a model is compared with: the domain of its reference mesh.
+#[derive(Clone, Debug, Default)]
+pub struct Domain<const N: usize> {
+    /// The facets that lie on the boundary of the domain in some mesh; a facet with one cell elsewhere is a crack.
+    pub boundary: FxHashSet<Facet<N>>,
+    /// Whether the reference mesh is a manifold in facets (at most two cells) and vertices (one umbrella).
+    pub manifold: bool,
+    /// Whether every inner facet of the reference has opposite orientations in its two cells.
+    pub oriented: bool,
+    /// The signed content (twice the area, six times the volume) where the reference is embedded in a plane or in space
+    /// without a cell turned over; and the sign of its cells.
+    pub content: Option<f64>,
+}
+
+/// Law 1: every modification keeps the combinatorial boundary of its patch towards the rest.
+///
+/// The facets in which the boundaries of the two sides differ must be shared with no other cell, at the time of the
+/// modification in the sequence from base to reference: they are boundary of the domain. Gives the domain.
+/// O(cells of all meshes).
+pub fn conformity<const N: usize>(model: &Explicit<N>) -> Result<Domain<N>, Breach> {
+    let reference = model.reference();
+    let mut domain = super::mesh::domain_of(&reference);
+    let mut count: FxHashMap<Facet<N>, i32> = FxHashMap::default();
+    for &cell in model.base_cells() {
+        for (facet, _) in facets(model.corners(cell)) {
+            *count.entry(facet).or_default() += 1;
+        }
+    }
+    domain.boundary.extend(count.iter().filter(|(_, n)| **n == 1).map(|(facet, _)| *facet));
+    let base_boundary = domain.boundary.clone();
+    for m in (0..model.len()).rev().map(NodeId) {
+        let patch = model.patch(m);
+        let (fine, coarse) = patch.boundary_difference();
+        for facet in &coarse {
+            let inside = patch.coarse.iter().flat_map(facets).filter(|(f, _)| f == facet).count() as i32;
+            let all = count.get(facet).copied().unwrap_or(0);
+            ensure!(all == inside, Law::Conformity, m, "node {m} opens facet {:?}, which {} other cells share", names(facet), all - inside);
+        }
+        for (facet, _) in patch.coarse.iter().flat_map(facets) {
+            *count.entry(facet).or_default() -= 1;
+        }
+        for facet in &fine {
+            let others = count.get(facet).copied().unwrap_or(0);
+            ensure!(others == 0, Law::Conformity, m, "node {m} lays boundary facet {:?} onto {others} other cells", names(facet));
+            domain.boundary.insert(*facet);
+        }
+        for (facet, _) in patch.fine.iter().flat_map(facets) {
+            *count.entry(facet).or_default() += 1;
+        }
+    }
+    closed_domain_has_no_boundary(&reference, &base_boundary)?;
+    Ok(domain)
+}
+
+/// A closed input has no boundary at any level, however its modifications conform.
+fn closed_domain_has_no_boundary<const N: usize>(reference: &crate::Mesh<N>, base: &FxHashSet<Facet<N>>) -> Result<(), Breach> {
+    let closed = super::mesh::boundary_of(&reference.cells).is_empty();
+    match base.iter().next().filter(|_| closed) {
+        Some(facet) => Err(Breach::new(Law::Conformity, None, format!("the input is closed, but facet {:?} of the base mesh is open", names(facet)))),
+        None => Ok(()),
+    }
+}
+
+pub(super) fn names<const N: usize>(facet: &Facet<N>) -> Vec<u32> {
+    facet.vertices().iter().map(|v| v.0).collect()
+}
+
+/// Law 2: each cell is made once and killed at most once, by a later modification than made it. O(cells).
+pub fn cells<const N: usize>(model: &Explicit<N>) -> Result<(), Breach> {
+    let mut made = vec![0u8; model.total_cell_count() as usize];
+    let mut killed = made.clone();
+    made[..model.input_cell_count() as usize].fill(1);
+    for m in (0..model.len()).map(NodeId) {
+        for &cell in model.fine_side(m) {
+            ensure!(made[cell.index()] == 1, Law::Cells, m, "node {m} kills cell {cell} before it is made");
+            ensure!(killed[cell.index()] == 0, Law::Cells, m, "node {m} kills cell {cell} a second time");
+            killed[cell.index()] = 1;
+        }
+        for cell in model.coarse_side(m) {
+            ensure!(made[cell.index()] == 0, Law::Cells, m, "node {m} makes cell {cell} a second time");
+            made[cell.index()] = 1;
+        }
+    }
+    let base: Vec<bool> = killed.iter().map(|&k| k == 0).collect();
+    let told = model.base_cells().iter().map(|c| c.index());
+    let counted = base.iter().enumerate().filter(|(_, b)| **b).map(|(c, _)| c);
+    ensure!(told.eq(counted), Law::Cells, None, "the base mesh is not what no modification kills");
+    match made.iter().position(|&m| m == 0) {
+        Some(cell) => Err(Breach::new(Law::Cells, None, format!("cell {cell} is never made"))),
+        None => Ok(()),
+    }
+}
+
+/// Bounds contain their patch and the bounds of what is discovered under them; errors are not negative. Since
+/// containment of spheres and order of errors do not depend on a camera, this holds for all of them. O(cells).
+pub fn saturation<const N: usize>(model: &Explicit<N>) -> Result<(), Breach> {
+    let mut children = Vec::new();
+    for m in (0..model.len()).map(NodeId) {
+        let bound = model.bound(m);
+        let patch = model.patch(m);
+        for v in patch.fine.iter().chain(&patch.coarse).flatten() {
+            let apart = model.positions()[v.index()].as_dvec3().distance(bound.center.as_dvec3());
+            ensure!(apart <= f64::from(bound.radius), Law::Saturation, m, "vertex {v} of node {m} is outside its sphere");
+        }
+        children.clear();
+        model.children(m, &mut children);
+        for &child in &children {
+            ensure!(bound.contains(&model.bound(child)), Law::Saturation, m, "the bound of node {m} does not contain that of node {child} under it");
+        }
+    }
+    Ok(())
+}
+
+/// Signed content of a cell of a planar or volume mesh: twice the area in the plane of `normal`, six times the volume.
+pub(super) fn content<const N: usize>(corners: &[glam::Vec3; N], normal: glam::DVec3) -> f64 {
+    let p = |i: usize| corners[i].as_dvec3();
+    if N == 3 { area_vector([p(0), p(1), p(2)]).dot(normal) } else { volume_six([p(0), p(1), p(2), p(3)]) }
+}
