@@ -10,12 +10,14 @@ pub mod container;
 pub mod explicit;
 pub mod format;
 pub mod front;
+pub mod generate;
 pub mod history;
 pub mod id;
 pub mod mesh;
 pub mod model;
 pub mod order;
 pub mod plan;
+pub mod random;
 
 pub use bits::Bits;
 pub use bound::{Bound, Cone};

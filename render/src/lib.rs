@@ -1,1 +1,44 @@
-//! To be written.
+//! Headless pictures of triangle meshes: one plain encoding, and two painters that draw the same.
+//!
+//! ```text
+//! mesh ─ encode ─▶ Scene (corners, segments) ─┬─▶ gpu.rs + shade.wgsl ─┬─▶ Picture ─▶ PNG bytes
+//!                       camera ─▶ Globals, Ink ┴─▶ cpu.rs, raster.rs   ─┘
+//! ```
+//!
+//! A [`Scene`] is data; nothing is drawn before [`paint`]. Both painters take four samples a pixel at the
+//! same places, shade each pixel once at its middle and light it from the same globals, so their
+//! pictures differ by rounding only. No file is opened here and nothing global is set.
+//!
+//! ```
+//! use mt_core::{Camera, Mesh};
+//! use mt_render::{Look, Prefer, encode, paint};
+//!
+//! let mesh = Mesh::from_indices(vec![glam::Vec3::ZERO, glam::Vec3::X, glam::Vec3::Y], &[[0, 1, 2]]);
+//! let (low, high) = mesh.bounding_box().unwrap();
+//! let camera = Camera::around(low, high, glam::Vec3::Z);
+//! let scene = encode(&mesh, &Look { wireframe: true, ..Look::default() });
+//! let (picture, painter) = paint(&scene, &camera, Prefer::Cpu)?;
+//! assert_eq!((picture.width, painter.to_string().as_str()), (1024, "the CPU painter"));
+//! let _file: Vec<u8> = picture.to_png();
+//! # Ok::<(), mt_render::RenderError>(())
+//! ```
+
+mod clip;
+mod cpu;
+mod easel;
+mod font;
+mod frustum;
+mod globals;
+#[cfg(feature = "gpu")]
+mod gpu;
+mod ink;
+mod picture;
+mod ramp;
+mod raster;
+mod scene;
+
+pub use easel::{Easel, Painter, Prefer, RenderError, paint};
+pub use frustum::outside;
+pub use picture::Picture;
+pub use ramp::{Ramp, Rgba};
+pub use scene::{Corner, Legend, Look, Overlay, Scene, Segment, encode};

@@ -17,6 +17,8 @@ pub struct Domain<const N: usize> {
     pub manifold: bool,
     /// Whether every inner facet of the reference has opposite orientations in its two cells.
     pub oriented: bool,
+    /// Whether all meshes have the same boundary facets, so that the domain is the same point set at every level.
+    pub boundary_fixed: bool,
     /// The signed content (twice the area, six times the volume) where the reference is embedded in a plane or in space
     /// without a cell turned over; and the sign of its cells.
     pub content: Option<f64>,
@@ -59,6 +61,7 @@ pub fn conformity<const N: usize>(model: &Explicit<N>) -> Result<Domain<N>, Brea
         }
     }
     closed_domain_has_no_boundary(&reference, &base_boundary)?;
+    domain.boundary_fixed = domain.boundary.len() == base_boundary.len();
     Ok(domain)
 }
 

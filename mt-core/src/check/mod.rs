@@ -10,7 +10,8 @@ mod oracle;
 mod steps;
 
 pub use conformity::{Domain, cells, conformity, saturation};
-pub use fronts::{Random, random_front};
+pub use fronts::random_front;
+pub use crate::random::Random;
 pub use mesh::crack_free;
 pub use oracle::{front_determines_mesh, set_algebra};
 pub use steps::{closure, ends, inverse, order, order_of};

@@ -36,7 +36,7 @@ pub fn front_determines_mesh<const N: usize, M: MultiTessellation<N>>(
     let mut seen = Bits::new(model.len());
     let mut unmet = Vec::new();
     for i in (1..waiting.len()).rev() {
-        waiting.swap(i, random.below(i as u32 + 1) as usize);
+        waiting.swap(i, random.below(i + 1));
     }
     while let Some(&m) = waiting.last() {
         if other.front.is_refined(m) {

@@ -31,7 +31,7 @@ pub fn inverse<const N: usize, M: MultiTessellation<N>>(
     let mesh = view.mesh.clone();
     let mut blocking = Vec::new();
     for _ in 0..tries.min(model.len()) {
-        let m = NodeId(random.below(model.len()));
+        let m = NodeId::new(random.below(model.len() as usize));
         let step = Step { node: m, refined: !view.front.is_refined(m) };
         if !is_legal(model, step, view, &mut blocking) {
             continue;
@@ -87,7 +87,7 @@ pub fn order<const N: usize, M: MultiTessellation<N>>(
 ) -> Result<(), Breach> {
     let mut told = Vec::new();
     for _ in 0..tries.min(model.len()) {
-        let m = NodeId(random.below(model.len()));
+        let m = NodeId::new(random.below(model.len() as usize));
         told.clear();
         if view.front.is_refined(m) {
             let answer = model.obstacles(m, view, &mut told);

@@ -13,7 +13,7 @@ use crate::metric::Quadric;
 use glam::{DVec3, Vec3};
 use mt_core::analysis::{Draft, Operator, Unfit};
 use mt_core::mesh::area_vector;
-use mt_core::{Plan, Refusal, VertexId};
+use mt_core::{Complex, Plan, Refusal, VertexId};
 
 /// Where the vertex of a collapsed edge goes.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
@@ -260,11 +260,32 @@ fn fill(draft: &Draft<3>, site: Edge, target: &Target, plan: &mut Plan<3>) {
             }
         }
     }
-    let dying = complex.star(gone[0]).map(|(slot, _)| slot);
-    plan.kills.extend(dying.filter(|&slot| complex.cell(slot).contains(&site.a) && complex.cell(slot).contains(&site.b)));
+    let has_both = |slot: &u32| complex.cell(*slot).contains(&site.a) && complex.cell(*slot).contains(&site.b);
+    if target.kept.is_some() {
+        remake_behind(complex, gone[0], into, plan);
+    }
+    plan.kills.extend(complex.star(gone[0]).map(|(slot, _)| slot).filter(has_both));
     plan.retired.extend_from_slice(gone);
     plan.kept = target.kept;
     if target.kept.is_none() {
         plan.vertices.push(target.position);
+    }
+}
+
+/// Where a dying triangle `u v c` has the boundary edge `u c`, its edge `v c` becomes boundary. The triangle behind that
+/// edge has to know, or it could be coarsened away while the dying one is there: it is made anew, the same corners under
+/// another id.
+fn remake_behind(complex: &Complex<3>, u: VertexId, v: VertexId, plan: &mut Plan<3>) {
+    for (dying, _) in complex.star(u) {
+        let cell = complex.cell(dying);
+        let Some(&apex) = cell.iter().find(|w| **w != u && **w != v).filter(|_| cell.contains(&v)) else { continue };
+        if complex.edge_degree(u, apex) > 1 {
+            continue;
+        }
+        let behind = complex.star(v).map(|(slot, _)| slot).find(|&slot| slot != dying && complex.cell(slot).contains(&apex));
+        if let Some(slot) = behind.filter(|slot| !plan.kills.contains(slot)) {
+            plan.kills.push(slot);
+            plan.makes.push(*complex.cell(slot));
+        }
     }
 }

@@ -1,0 +1,88 @@
+//! The pictures of a study, and what colours of cells mean.
+
+use super::{Config, Picture, Results, StudyError, Subject, camera_path};
+use mt_core::explicit::Alive;
+use mt_core::model::{cells_of, mesh_of};
+use mt_core::{Camera, Explicit, Mesh, MultiTessellation};
+use render::{Look, Overlay, Prefer};
+use selective::{Limits, ScreenError, State, Strategy, UniformError, extract};
+
+/// The error of each cell of a mesh, in the model's order of cells: that of the modification that would refine it, in
+/// model units; 0 for cells of the input.
+pub fn cell_errors(model: &Explicit<3>, mesh: &Alive) -> Vec<f32> {
+    let error = |cell| model.refined_by(cell).map_or(0.0, |m| model.bound(m).error);
+    cells_of(model, mesh).into_iter().map(|(cell, _)| error(cell)).collect()
+}
+
+/// The level of each cell of a mesh: the longest chain of modifications from the base mesh to it.
+pub fn cell_levels(model: &Explicit<3>, mesh: &Alive) -> Vec<f32> {
+    let order = model.order();
+    let mut level_of_node = vec![0u32; model.len() as usize];
+    let mut level_of_cell = vec![0u32; model.total_cell_count() as usize];
+    for m in (0..model.len()).rev().map(mt_core::NodeId) {
+        let above = order.needs(m).iter().map(|need| level_of_node[need.index()]).max().unwrap_or(0);
+        level_of_node[m.index()] = above + 1;
+        for &cell in model.fine_side(m) {
+            level_of_cell[cell.index()] = above + 1;
+        }
+    }
+    cells_of(model, mesh).into_iter().map(|(cell, _)| level_of_cell[cell.index()] as f32).collect()
+}
+
+/// Draws the pictures of one model: the view-dependent mesh as its camera sees it and from outside, and error and level
+/// at a tenth of the triangles.
+pub(super) fn draw(
+    subject: &Subject,
+    model: &Explicit<3>,
+    config: &Config,
+    size: (u32, u32),
+    results: &mut Results,
+) -> Result<(), StudyError> {
+    let sized = |camera: Camera| Camera { width_px: size.0, height_px: size.1, ..camera };
+    // Nearest to the surface.
+    let Some(&camera) = camera_path(&subject.mesh, config.frames).get(config.frames as usize / 2) else { return Ok(()) };
+    let (low, high) = subject.mesh.bounding_box().unwrap_or_default();
+    let (view, _) = extract(model, &ScreenError::new(&camera, config.error_px), &Limits::NONE, Strategy::TopDown, ());
+    let seen = mesh_of(model, &view.view.mesh);
+    let wire = Look { wireframe: true, ..Look::default() };
+    let triangles = seen.cell_count();
+    let mut easel = Easel { subject, results };
+    let caption = format!("{}: {triangles} of {} triangles for {} px on the screen, as the camera sees it", subject.name, subject.mesh.cell_count(), config.error_px);
+    easel.paint("camera", caption, render::encode(&seen, &wire), sized(camera))?;
+    let mut scene = render::encode(&seen, &wire);
+    scene.add_frustum(&camera, low, high);
+    let caption = format!("{}: the same mesh from outside, with the camera's frustum; what it does not see is coarse", subject.name);
+    easel.paint("outside", caption, scene, sized(render::outside(&camera, low, high)))?;
+    let tenth = tenth_of(model, &subject.mesh);
+    let mesh = mesh_of(model, &tenth.view.mesh);
+    let around = sized(Camera::around(low, high, glam::Vec3::new(0.6, 0.5, 1.0)));
+    let errors = cell_errors(model, &tenth.view.mesh);
+    let overlay = Overlay::Error { values: &errors, range: Overlay::range_of(&errors) };
+    let caption = format!("{}: error of each triangle at a tenth of the input, in model units", subject.name);
+    easel.paint("error", caption, render::encode(&mesh, &Look { wireframe: true, overlay, ..Look::default() }), around)?;
+    let levels = cell_levels(model, &tenth.view.mesh);
+    let overlay = Overlay::Level { values: &levels, range: Overlay::range_of(&levels) };
+    let caption = format!("{}: level of each triangle, the longest chain of modifications to it", subject.name);
+    easel.paint("level", caption, render::encode(&mesh, &Look { wireframe: true, overlay, ..Look::default() }), around)
+}
+
+fn tenth_of(model: &Explicit<3>, input: &Mesh<3>) -> State<3, Explicit<3>, ()> {
+    let limits = Limits { cells: Some((input.cell_count() / 10) as u32), time: None };
+    extract(model, &UniformError { error_max: -1.0 }, &limits, Strategy::Priority, ()).0
+}
+
+struct Easel<'a> {
+    subject: &'a Subject,
+    results: &'a mut Results,
+}
+
+impl Easel<'_> {
+    fn paint(&mut self, what: &str, caption: String, scene: render::Scene, camera: Camera) -> Result<(), StudyError> {
+        let name = format!("{}-{what}.png", self.subject.name);
+        let (picture, painter) =
+            render::paint(&scene, &camera, Prefer::Any).map_err(|error| StudyError::Picture(name.clone(), error))?;
+        let png = picture.to_png();
+        self.results.pictures.push(Picture { name, caption, painter: painter.to_string(), png });
+        Ok(())
+    }
+}

@@ -1,0 +1,226 @@
+//! `mtess build`: a mesh becomes a model.
+
+use super::{CommandError, print_json, print_text};
+use crate::files::{self, FileError};
+use crate::progress::{Clock, Progress, interruption, peak_bytes};
+use clap::{Args, ValueEnum};
+use mt_core::analysis::{Analysis, AnalysisError, Options, Stopped, Unfit, simplify};
+use mt_core::container::{self, Meta};
+use mt_core::format::{LoadOptions, LoadReport, NonManifold};
+use mt_core::{ErrorKind, Mesh, MultiTessellation, RefusalCounts, history};
+use operators::EdgeCollapse;
+use operators::edge_collapse::{BoundaryRule, Placement};
+use serde_json::json;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Args)]
+pub struct Build {
+    /// The mesh: obj, ply, stl, off, gltf or glb
+    model: PathBuf,
+    /// Where to write the model
+    #[arg(short, long, value_name = "X.mt")]
+    output: PathBuf,
+    /// What coarsens the mesh
+    #[arg(long, value_enum, default_value_t = Operator::EdgeCollapse, conflicts_with = "history")]
+    operator: Operator,
+    /// Replay this history instead of coarsening
+    #[arg(long, value_name = "H.jsonl")]
+    history: Option<PathBuf>,
+    /// Stop at this many triangles
+    #[arg(long, value_name = "N", conflicts_with = "history")]
+    until_cells: Option<u32>,
+    /// Allow no modification with a larger error, in model units
+    #[arg(long, value_name = "E", conflicts_with = "history")]
+    until_error: Option<f32>,
+    /// Which errors to record: the metric's estimates, or measured distances (slower)
+    #[arg(long, value_enum, default_value_t = Errors::Estimate, conflicts_with = "history")]
+    errors: Errors,
+    /// What may happen to boundaries
+    #[arg(long, value_enum, default_value_t = Boundary::Weighted, conflicts_with = "history")]
+    boundary: Boundary,
+    /// What to do with edges and vertices where several sheets meet
+    #[arg(long, value_enum, default_value_t = Sheets::Refuse)]
+    non_manifold: Sheets,
+    /// Leave vertices at the same place apart
+    #[arg(long)]
+    no_weld: bool,
+    /// Threads to use; analysis uses one, whatever the number, and the result is the same
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: u32,
+    /// Tell the figures as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What coarsens the mesh.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq)]
+pub enum Operator {
+    /// An edge becomes a new vertex at the best place
+    EdgeCollapse,
+    /// An edge becomes one of its ends
+    HalfEdgeCollapse,
+}
+
+#[derive(ValueEnum, Clone, Copy)]
+enum Errors {
+    Estimate,
+    Measured,
+}
+
+#[derive(ValueEnum, Clone, Copy)]
+enum Boundary {
+    /// Coarsened, held in place by the metric
+    Weighted,
+    /// Left as they are
+    Locked,
+}
+
+#[derive(ValueEnum, Clone, Copy)]
+enum Sheets {
+    /// Refuse the mesh
+    Refuse,
+    /// Separate the sheets, and report it
+    Split,
+}
+
+impl Operator {
+    /// The operator with its default options.
+    pub fn edge_collapse(self) -> EdgeCollapse {
+        match self {
+            Operator::EdgeCollapse => EdgeCollapse::FULL,
+            Operator::HalfEdgeCollapse => EdgeCollapse::HALF,
+        }
+    }
+}
+
+impl Build {
+    pub fn run(self) -> Result<ExitCode, CommandError> {
+        let clock = Clock::start();
+        let non_manifold = match self.non_manifold {
+            Sheets::Refuse => NonManifold::Keep,
+            Sheets::Split => NonManifold::Split,
+        };
+        let (mesh, report) = files::load_mesh(&self.model, &LoadOptions { weld: !self.no_weld, non_manifold })?;
+        let load_s = clock.wall();
+        if !self.json {
+            eprint!("{report}");
+        }
+        let clock = Clock::start();
+        let (analysis, operator) = match &self.history {
+            Some(path) => (self.replay(&mesh, path)?, "history".to_owned()),
+            None => self.analyse(&mesh)?,
+        };
+        let (analysis_s, analysis_cpu_s) = (clock.wall(), clock.cpu());
+        let clock = Clock::start();
+        let meta = self.meta(&analysis, operator, &report);
+        files::write(&self.output, |mut out| container::write(&analysis.model, &meta, &mut out))?;
+        let seconds = Seconds { load_s, analysis_s, analysis_cpu_s, write_s: clock.wall() };
+        self.tell(&mesh, &analysis, &meta, &report, &seconds);
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn analyse(&self, mesh: &Mesh<3>) -> Result<(Analysis<3>, String), CommandError> {
+        if self.until_error.is_some_and(|error| error.is_nan() || error < 0.0) {
+            return Err(CommandError::Other("--until-error must be a number, 0 or more".into()));
+        }
+        let operator = EdgeCollapse {
+            boundary: match self.boundary {
+                Boundary::Weighted => BoundaryRule::Weighted,
+                Boundary::Locked => BoundaryRule::Locked,
+            },
+            ..self.operator.edge_collapse()
+        };
+        let options = Options {
+            until_cells: self.until_cells,
+            until_error: self.until_error,
+            error_kind: match self.errors {
+                Errors::Estimate => ErrorKind::Estimate,
+                Errors::Measured => ErrorKind::Measured,
+            },
+        };
+        let mut progress = Progress::new("coarsening", mesh.cell_count() as u64, &interruption());
+        let analysis = simplify(mesh, &operator, &options, &mut |at| progress.at((at.cells_in - at.cells) as u64));
+        let analysis = analysis.map_err(|error| self.explain(error))?;
+        if analysis.stopped == Stopped::Cancelled {
+            return Err(CommandError::Interrupted);
+        }
+        let name = if operator.placement == Placement::Optimal { "edge-collapse" } else { "half-edge-collapse" };
+        Ok((analysis, name.to_owned()))
+    }
+
+    fn explain(&self, error: AnalysisError) -> CommandError {
+        let way_out = match error {
+            AnalysisError::Unfit(Unfit::NonManifold { .. }) => "; --non-manifold split separates the sheets",
+            _ => "",
+        };
+        FileError::new(&self.model, format!("{error}{way_out}")).into()
+    }
+
+    fn replay(&self, mesh: &Mesh<3>, path: &std::path::Path) -> Result<Analysis<3>, CommandError> {
+        let wrong = |what: String| CommandError::File(FileError::new(path, what));
+        let model = history::read(mesh, files::open_lines(path)?).map_err(|error| wrong(error.to_string()))?;
+        // A history from elsewhere is not believed before its modifications conform.
+        mt_core::check::conformity(&model).map_err(|breach| {
+            let line = breach.node.map_or(String::new(), |m| format!("modification {}: ", m.0 + 1));
+            wrong(format!("{line}{}", breach.what))
+        })?;
+        Ok(Analysis { model, refusals: RefusalCounts::default(), stopped: Stopped::Exhausted })
+    }
+
+    fn meta(&self, analysis: &Analysis<3>, operator: String, report: &LoadReport) -> Meta {
+        let name = self.model.file_name().unwrap_or(self.model.as_os_str());
+        Meta {
+            operator,
+            source: name.to_string_lossy().into_owned(),
+            stopped: if self.history.is_some() { "the history ends".into() } else { analysis.stopped.to_string() },
+            refusals: analysis.refusals.iter().map(|(reason, count)| (reason.name().to_owned(), count)).collect(),
+            load_report: report.to_string().lines().map(str::to_owned).collect(),
+            ..Meta::default()
+        }
+    }
+
+    fn tell(&self, mesh: &Mesh<3>, analysis: &Analysis<3>, meta: &Meta, report: &LoadReport, seconds: &Seconds) {
+        let model = &analysis.model;
+        let base = model.base_cells().len();
+        if !self.json {
+            let rate = (mesh.cell_count() - base) as f64 / seconds.analysis_s.max(1e-9) / 1e3;
+            print_text(&format!(
+                "{}: {} triangles to {base} in {} modifications, {:.2} s ({rate:.0} thousand triangles a second); {}",
+                self.output.display(),
+                mesh.cell_count(),
+                model.len(),
+                seconds.analysis_s,
+                meta.stopped
+            ));
+            return;
+        }
+        print_json(&json!({
+            "model": self.output,
+            "operator": meta.operator,
+            "vertices_in": mesh.vertex_count(),
+            "triangles_in": mesh.cell_count(),
+            "triangles_base": base,
+            "modifications": model.len(),
+            "bytes": model.bytes(),
+            "error_kind": model.error_kind(),
+            "stopped": meta.stopped,
+            "refusals": meta.refusals,
+            "load_report": report,
+            "load_s": seconds.load_s,
+            "analysis_s": seconds.analysis_s,
+            "analysis_cpu_s": seconds.analysis_cpu_s,
+            "write_s": seconds.write_s,
+            "threads": 1,
+            "peak_bytes": peak_bytes(),
+        }));
+        debug_assert!(self.threads >= 1);
+    }
+}
+
+struct Seconds {
+    load_s: f64,
+    analysis_s: f64,
+    analysis_cpu_s: f64,
+    write_s: f64,
+}

@@ -1,0 +1,72 @@
+//! `mtess extract`: a mesh for a criterion.
+
+use super::{CommandError, print_json, print_text};
+use crate::files;
+use crate::progress::Clock;
+use crate::selection::Selection;
+use clap::Args;
+use mt_core::MultiTessellation;
+use mt_core::model::mesh_of;
+use serde_json::json;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Args)]
+pub struct Extract {
+    /// The model
+    model: PathBuf,
+    #[command(flatten)]
+    selection: Selection,
+    /// Where to write the mesh: obj, ply, stl or glb
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Tell the figures as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Extract {
+    pub fn run(self) -> Result<ExitCode, CommandError> {
+        files::mesh_format(&self.output)?;
+        let camera = self.selection.load_camera()?;
+        let (model, _) = files::load_triangles(&self.model)?;
+        let clock = Clock::start();
+        let (state, outcome) = self.selection.run(&model, camera.as_ref())?;
+        let seconds = clock.wall();
+        let mesh = mesh_of(&model, &state.view.mesh);
+        files::write_mesh(&self.output, &mesh)?;
+        if self.json {
+            print_json(&json!({
+                "output": self.output,
+                "vertices": mesh.vertex_count(),
+                "triangles": mesh.cell_count(),
+                "nodes": state.front().len(),
+                "refined": outcome.refined,
+                "coarsened": outcome.coarsened,
+                "forced": outcome.forced,
+                "complete": outcome.complete,
+                "seconds": seconds,
+            }));
+            return Ok(ExitCode::SUCCESS);
+        }
+        let base = model.base_cells().len();
+        let note = match outcome.complete {
+            _ if self.selection.cells.is_some_and(|most| (most as usize) < base) => {
+                format!("; the base mesh already has {base}, which no budget goes below")
+            }
+            true => String::new(),
+            false => "; the criterion asks for more than the limits allow".into(),
+        };
+        print_text(&format!(
+            "{}: {} triangles, {} vertices ({} of {} modifications refined, {} of them forced) in {:.1} ms{note}",
+            self.output.display(),
+            mesh.cell_count(),
+            mesh.vertex_count(),
+            state.front().len(),
+            model.len(),
+            outcome.forced,
+            seconds * 1e3,
+        ));
+        Ok(ExitCode::SUCCESS)
+    }
+}

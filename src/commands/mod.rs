@@ -1,0 +1,85 @@
+//! The command line: one file per command.
+
+mod build;
+mod extract;
+mod history;
+mod info;
+mod render;
+mod study;
+mod verify;
+
+use crate::files::FileError;
+use crate::selection::SelectionError;
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Multi-Tessellations: build a multiresolution model of a mesh, extract from it, prove it right, look at it.
+#[derive(Parser)]
+#[command(name = "mtess", version, about, arg_required_else_help = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Coarsen a mesh to the end and keep every step as a model
+    Build(build::Build),
+    /// Write the history of a model as text, one modification a line
+    History(history::History),
+    /// Say what is in a model
+    Info(info::Info),
+    /// Extract a mesh: by error, by number of cells, for a camera, within a region
+    Extract(extract::Extract),
+    /// Check the laws of a model over random fronts
+    Verify(verify::Verify),
+    /// Make a picture of an extracted mesh
+    Render(render::Render),
+    /// Build, extract along a camera path, measure and render; write a report
+    Study(study::Study),
+}
+
+/// Why a command failed, as one line.
+#[derive(Debug, thiserror::Error)]
+pub enum CommandError {
+    /// A file is at fault.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The options ask for nothing that can be done.
+    #[error(transparent)]
+    Selection(#[from] SelectionError),
+    /// Drawing failed.
+    #[error("the picture cannot be drawn: {0}")]
+    Render(#[from] ::render::RenderError),
+    /// Ctrl-C.
+    #[error("interrupted; nothing was written")]
+    Interrupted,
+    /// Anything else.
+    #[error("{0}")]
+    Other(String),
+}
+
+/// Runs a command; the code is 1 where a check found a broken law.
+pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
+    match cli.command {
+        Command::Build(command) => command.run(),
+        Command::History(command) => command.run(),
+        Command::Info(command) => command.run(),
+        Command::Extract(command) => command.run(),
+        Command::Verify(command) => command.run(),
+        Command::Render(command) => command.run(),
+        Command::Study(command) => command.run(),
+    }
+}
+
+/// Prints JSON to standard output. A closed pipe is not an error.
+fn print_json(value: &serde_json::Value) {
+    use std::io::Write;
+    _ = writeln!(std::io::stdout(), "{value:#}");
+}
+
+/// Prints lines to standard output. A closed pipe is not an error.
+fn print_text(text: &str) {
+    use std::io::Write;
+    _ = writeln!(std::io::stdout(), "{text}");
+}

@@ -1,0 +1,102 @@
+//! Progress bars, clocks and interruption for the command.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// A bar that shows itself when the work has taken half a second, on a terminal only.
+pub struct Progress {
+    bar: ProgressBar,
+    begun: Instant,
+    shown: bool,
+    interrupted: Arc<AtomicBool>,
+}
+
+/// Shorter work shows no bar.
+const SILENT: Duration = Duration::from_millis(500);
+
+impl Progress {
+    /// A bar of `length` steps that hears of Ctrl-C.
+    pub fn new(what: &'static str, length: u64, interrupted: &Arc<AtomicBool>) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::hidden());
+        let style = ProgressStyle::with_template("{msg:12} [{bar:40}] {percent:>3} %  {eta} left").expect("the template is constant");
+        bar.set_style(style.progress_chars("=> "));
+        bar.set_message(what);
+        Self { bar, begun: Instant::now(), shown: false, interrupted: interrupted.clone() }
+    }
+
+    /// Notes progress; whether to go on.
+    pub fn at(&mut self, position: u64) -> bool {
+        if !self.shown && self.begun.elapsed() > SILENT {
+            self.shown = true;
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+        self.bar.set_position(position);
+        !self.interrupted.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A flag that Ctrl-C raises, so that long work can stop and leave nothing half-written. A second Ctrl-C ends at once.
+pub fn interruption() -> Arc<AtomicBool> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let raised = flag.clone();
+    let heard = ctrlc::set_handler(move || {
+        if raised.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+    // Without a handler Ctrl-C ends the process, and temporary files are still not what was asked for.
+    drop(heard);
+    flag
+}
+
+/// Wall and CPU seconds of a piece of work.
+#[derive(Clone, Copy)]
+pub struct Clock {
+    wall: Instant,
+    cpu: f64,
+}
+
+impl Clock {
+    /// Starts.
+    pub fn start() -> Self {
+        Self { wall: Instant::now(), cpu: cpu_seconds() }
+    }
+
+    /// Wall seconds since the start.
+    pub fn wall(&self) -> f64 {
+        self.wall.elapsed().as_secs_f64()
+    }
+
+    /// CPU seconds of all threads since the start.
+    pub fn cpu(&self) -> f64 {
+        cpu_seconds() - self.cpu
+    }
+}
+
+#[cfg(unix)]
+fn cpu_seconds() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}
+
+#[cfg(not(unix))]
+fn cpu_seconds() -> f64 {
+    // Without a clock of the process the wall has to do.
+    static BEGUN: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+    BEGUN.get_or_init(Instant::now).elapsed().as_secs_f64()
+}
+
+/// The largest resident size of this process so far, where the system tells it.
+pub fn peak_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
+}

@@ -1,0 +1,156 @@
+//! The options that say what to extract, shared by `extract` and `render`.
+
+use crate::files::{self, FileError};
+use clap::{Args, ValueEnum};
+use mt_core::{Bound, Camera, Explicit, MultiTessellation};
+use selective::{
+    Criterion, ErrorBelow, Focus, InRegion, Limits, Outcome, Region, ScreenError, State, Strategy, UniformError, adapt, extract,
+    extract_exact,
+};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// What to extract.
+#[derive(Args, Debug, Clone)]
+pub struct Selection {
+    /// Largest error, in model units; with --region, within it
+    #[arg(long, value_name = "E")]
+    pub error: Option<f32>,
+    /// Most cells; never exceeded
+    #[arg(long, value_name = "N")]
+    pub cells: Option<u32>,
+    /// View-dependent: error on the screen of this camera, and coarse outside its frustum
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["error", "region"])]
+    pub camera: Option<PathBuf>,
+    /// Largest error on the screen of --camera, in pixels
+    #[arg(long, value_name = "PX", default_value_t = 1.0, requires = "camera")]
+    pub pixels: f32,
+    /// Fine within this box only
+    #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", value_parser = parse_region, requires = "error", allow_hyphen_values = true)]
+    pub region: Option<Region>,
+    /// The input itself
+    #[arg(long, conflicts_with_all = ["error", "cells", "camera", "region"])]
+    pub reference: bool,
+    /// In what sequence to refine
+    #[arg(long, value_enum, default_value_t = Way::TopDown)]
+    pub strategy: Way,
+    /// Stop refining after this many milliseconds, with a mesh that conforms
+    #[arg(long, value_name = "MS")]
+    pub time_ms: Option<u64>,
+    /// Judge single cells instead of modifications: a cell across the region's border may be coarse (loose) or not (strict)
+    #[arg(long, value_enum, requires = "error", conflicts_with_all = ["cells", "time_ms"])]
+    pub per_cell: Option<PerCell>,
+}
+
+/// In what sequence to refine.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Way {
+    /// Depth first from the base mesh
+    TopDown,
+    /// Most urgent first from the base mesh
+    Priority,
+    /// Contraction from the full mesh, then expansion
+    Incremental,
+}
+
+/// How cells across the border of the region are judged.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PerCell {
+    /// By their most lenient point
+    Loose,
+    /// By their most demanding point
+    Strict,
+}
+
+fn parse_region(text: &str) -> Result<Region, String> {
+    let numbers: Vec<f32> = text
+        .split(',')
+        .map(|part| part.trim().parse().map_err(|_| format!("'{part}' is not a number")))
+        .collect::<Result<_, _>>()?;
+    let &[x0, y0, z0, x1, y1, z1] = numbers.as_slice() else {
+        return Err(format!("six numbers are wanted, not {}", numbers.len()));
+    };
+    let (a, b) = (glam::Vec3::new(x0, y0, z0), glam::Vec3::new(x1, y1, z1));
+    if !(a.is_finite() && b.is_finite()) {
+        return Err("the box must be finite".into());
+    }
+    Ok(Region { low: a.min(b), high: a.max(b) })
+}
+
+/// The criterion that the options ask for.
+pub enum Wish {
+    Uniform(UniformError),
+    Region(InRegion),
+    Screen(Box<ScreenError>),
+}
+
+impl Criterion<Bound> for Wish {
+    fn excess(&self, bound: &Bound, refined: bool) -> f32 {
+        match self {
+            Wish::Uniform(criterion) => criterion.excess(bound, refined),
+            Wish::Region(criterion) => criterion.excess(bound, refined),
+            Wish::Screen(criterion) => criterion.excess(bound, refined),
+        }
+    }
+}
+
+/// Why the options ask for nothing.
+#[derive(Debug, thiserror::Error)]
+pub enum SelectionError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("say what to extract: --error, --cells, --camera, --region with --error, or --reference")]
+    Nothing,
+    #[error("--{0} must be a number, 0 or more")]
+    Number(&'static str),
+}
+
+impl Selection {
+    /// The camera of `--camera`, read and checked.
+    pub fn load_camera(&self) -> Result<Option<Camera>, FileError> {
+        let Some(path) = &self.camera else { return Ok(None) };
+        let camera: Camera = files::load_json(path)?;
+        camera.check().map_err(|error| FileError::new(path, error))?;
+        Ok(Some(camera))
+    }
+
+    fn wish(&self, camera: Option<&Camera>) -> Result<Wish, SelectionError> {
+        if self.error.is_some_and(|error| error.is_nan() || error < 0.0) {
+            return Err(SelectionError::Number("error"));
+        }
+        if self.pixels.is_nan() || self.pixels < 0.0 {
+            return Err(SelectionError::Number("pixels"));
+        }
+        match (camera, self.error, self.region) {
+            (Some(camera), ..) => Ok(Wish::Screen(Box::new(ScreenError::new(camera, self.pixels)))),
+            (_, Some(error_max), Some(region)) => Ok(Wish::Region(InRegion { region, error_max })),
+            (_, Some(error_max), None) => Ok(Wish::Uniform(UniformError { error_max })),
+            // Below 0, so that what costs no error is asked for too.
+            _ if self.reference || self.cells.is_some() => Ok(Wish::Uniform(UniformError { error_max: -1.0 })),
+            _ => Err(SelectionError::Nothing),
+        }
+    }
+
+    /// Extracts from a model.
+    pub fn run(&self, model: &Explicit<3>, camera: Option<&Camera>) -> Result<(State<3, Explicit<3>, ()>, Outcome), SelectionError> {
+        let wish = self.wish(camera)?;
+        let limits = Limits { cells: self.cells, time: self.time_ms.map(Duration::from_millis) };
+        if let Some(per_cell) = self.per_cell {
+            let focus = if per_cell == PerCell::Loose { Focus::Loose } else { Focus::Strict };
+            let criterion = ErrorBelow { error_max: self.error.unwrap_or(0.0), region: self.region, focus };
+            return Ok(extract_exact(model, &criterion, ()));
+        }
+        Ok(match self.strategy {
+            Way::TopDown => extract(model, &wish, &limits, Strategy::TopDown, ()),
+            Way::Priority => extract(model, &wish, &limits, Strategy::Priority, ()),
+            Way::Incremental => {
+                let mut state = State::new(model, ());
+                for m in (0..model.len()).rev().map(mt_core::NodeId) {
+                    state.take(model, mt_core::Step::refine(m));
+                }
+                let outcome = adapt(model, &wish, &limits, &mut state);
+                (state, outcome)
+            }
+        })
+    }
+}

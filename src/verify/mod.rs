@@ -1,0 +1,138 @@
+//! All the laws on one model, over random fronts, with a counterexample made small.
+//!
+//! The checkers are `mt_core::check`; law 10 is checked here, because it needs selective refinement.
+
+mod minimality;
+mod shrink;
+
+pub use minimality::minimality;
+
+use mt_core::check::{self, Breach, Domain, Law, Random};
+use mt_core::model::{MultiTessellation, View, cells_of, mesh_of};
+use mt_core::{Explicit, Front, Mesh, NodeId, Order};
+use selective::{State, approach};
+use std::collections::BTreeMap;
+
+/// How much to check.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Number of random fronts.
+    pub fronts: u32,
+    /// Seed of the fronts and of all other choices.
+    pub seed: u64,
+}
+
+/// How often each law was checked, and held.
+pub type Summary = BTreeMap<Law, u64>;
+
+/// A broken law with the smallest case found.
+#[derive(Clone, Debug)]
+pub struct Counterexample<const N: usize> {
+    /// The law, and what is wrong.
+    pub breach: Breach,
+    /// The front at which it shows, made small; closed.
+    pub front: Front,
+    /// The mesh of that front.
+    pub mesh: Mesh<N>,
+    /// Number of nodes of the front at which it was found.
+    pub found_at: u32,
+    /// Both sides of the modification concerned, where there is one.
+    pub patch: Option<(NodeId, mt_core::Patch<N>)>,
+}
+
+/// Checks every law of a model: those on the model as a whole once, the others at each random front.
+///
+/// `watch` hears how many fronts are done and answers whether to go on; a run that is cut short gives the summary so far.
+pub fn explicit<const N: usize>(
+    model: &Explicit<N>,
+    options: &Options,
+    watch: &mut dyn FnMut(u32) -> bool,
+) -> Result<Summary, Box<Counterexample<N>>> {
+    let mut summary = Summary::new();
+    let whole = whole_model(model, &mut summary);
+    let (order, domain) = whole.map_err(|breach| Box::new(counterexample_of_whole(model, breach)))?;
+    let laws = Laws { model, order: &order, domain: &domain };
+    let mut random = Random::new(options.seed);
+    let mut state = State::new(model, ());
+    for done in 0..options.fronts {
+        if !watch(done) {
+            break;
+        }
+        let front = check::random_front(&order, &mut random);
+        approach(model, &front, None, &mut state);
+        state.steps.clear();
+        let case = Random::new(random.bits());
+        if let Err(breach) = laws.at(&mut state.view, &mut case.clone(), &mut summary) {
+            return Err(Box::new(shrink::counterexample(&laws, breach, &front, &case)));
+        }
+    }
+    Ok(summary)
+}
+
+/// The laws on the model as a whole.
+fn whole_model<const N: usize>(model: &Explicit<N>, summary: &mut Summary) -> Result<(Order, Domain<N>), Breach> {
+    let order = check::order_of(model)?;
+    held(summary, Law::Order);
+    check::cells(model)?;
+    held(summary, Law::Cells);
+    let domain = check::conformity(model)?;
+    held(summary, Law::Conformity);
+    check::saturation(model)?;
+    held(summary, Law::Saturation);
+    check::ends(model, &model.reference())?;
+    held(summary, Law::Ends);
+    Ok((order, domain))
+}
+
+fn held(summary: &mut Summary, law: Law) {
+    *summary.entry(law).or_default() += 1;
+}
+
+/// What the laws at a front are judged by.
+pub(crate) struct Laws<'a, const N: usize> {
+    pub(crate) model: &'a Explicit<N>,
+    pub(crate) order: &'a Order,
+    pub(crate) domain: &'a Domain<N>,
+}
+
+impl<const N: usize> Laws<'_, N> {
+    /// Every law at the front of `view`, which is left as it was.
+    pub(crate) fn at(&self, view: &mut View<mt_core::explicit::Alive>, random: &mut Random, summary: &mut Summary) -> Result<(), Breach> {
+        let model = self.model;
+        let other = check::random_front(self.order, random);
+        check::closure(self.order, &view.front, &other)?;
+        held(summary, Law::Closure);
+        let cells = cells_of(model, &view.mesh);
+        let algebra = check::set_algebra(model, &view.front)?;
+        if !algebra.iter().copied().eq(cells.iter().map(|(id, _)| *id)) {
+            let what = format!("the mesh has {} cells, set algebra gives {}", cells.len(), algebra.len());
+            return Err(Breach { law: Law::FrontDeterminesMesh, what, node: None });
+        }
+        let corners: Vec<_> = cells.into_iter().map(|(_, corners)| corners).collect();
+        check::crack_free(&corners, model.positions(), self.domain)?;
+        held(summary, Law::CrackFree);
+        check::inverse(model, view, random, 16)?;
+        held(summary, Law::Inverse);
+        check::order(model, self.order, view, random, 64)?;
+        held(summary, Law::Order);
+        check::front_determines_mesh(model, view, random)?;
+        held(summary, Law::FrontDeterminesMesh);
+        minimality(model, view, random)?;
+        held(summary, Law::Minimality);
+        Ok(())
+    }
+}
+
+/// A breach that is no front's: it shows at the least front that has the node.
+fn counterexample_of_whole<const N: usize>(model: &Explicit<N>, breach: Breach) -> Counterexample<N> {
+    let mut front = Front::from_nodes(model.len(), breach.node);
+    model.order().close(&mut front);
+    finish(model, breach, front.clone(), front.len())
+}
+
+pub(crate) fn finish<const N: usize>(model: &Explicit<N>, breach: Breach, front: Front, found_at: u32) -> Counterexample<N> {
+    let mut state = State::new(model, ());
+    approach(model, &front, None, &mut state);
+    let patch = breach.node.filter(|m| m.0 < model.len()).map(|m| (m, model.patch(m)));
+    Counterexample { mesh: mesh_of(model, &state.view.mesh), breach, front, found_at, patch }
+}

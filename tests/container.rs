@@ -1,0 +1,113 @@
+//! The container: bit for bit, and nothing damaged gets through.
+
+use mt_core::container::{self, ContainerError, Meta};
+use mt_core::{Explicit, MultiTessellation, generate};
+use mt_tests::model_of;
+use operators::EdgeCollapse;
+use proptest::prelude::*;
+
+fn bytes_of(model: &Explicit<3>) -> Vec<u8> {
+    let meta = Meta { operator: "edge-collapse".into(), source: "test".into(), ..Meta::default() };
+    let mut bytes = Vec::new();
+    container::write(model, &meta, &mut bytes).expect("writing to memory cannot fail");
+    bytes
+}
+
+fn small() -> Vec<u8> {
+    bytes_of(&model_of(&generate::bumpy_sphere(2, 0.1, 1), &EdgeCollapse::FULL))
+}
+
+#[test]
+fn a_round_trip_is_bit_for_bit() {
+    for seed in 0..40 {
+        let model = model_of(&generate::random_mesh(seed).mesh, &EdgeCollapse::FULL);
+        let bytes = bytes_of(&model);
+        let (again, meta) = container::read::<3>(&bytes).unwrap();
+        assert_eq!(again, model);
+        let mut rewritten = Vec::new();
+        container::write(&again, &meta, &mut rewritten).unwrap();
+        assert!(rewritten == bytes, "writing again gives other bytes");
+    }
+}
+
+#[test]
+fn every_truncation_is_refused() {
+    let bytes = small();
+    for length in 0..bytes.len() {
+        assert!(container::read::<3>(&bytes[..length]).is_err(), "{length} of {} bytes are taken for a model", bytes.len());
+    }
+    let mut longer = bytes;
+    longer.push(0);
+    assert!(container::read::<3>(&longer).is_err());
+}
+
+#[test]
+fn every_flipped_byte_is_refused() {
+    let mut bytes = small();
+    assert!(bytes.len() > 10_000, "thousands of positions are wanted");
+    for at in 0..bytes.len() {
+        for mask in [0x01, 0x80, 0xff] {
+            bytes[at] ^= mask;
+            assert!(container::read::<3>(&bytes).is_err(), "byte {at} of {} can be flipped by {mask:#x}", bytes.len());
+            bytes[at] ^= mask;
+        }
+    }
+}
+
+#[test]
+fn a_newer_version_is_refused_by_number() {
+    let mut bytes = small();
+    bytes[8] = 9;
+    assert_eq!(container::read_meta(&bytes), Err(ContainerError::Newer(9)));
+}
+
+/// Bytes whose checksums fit, but whose arrays are nonsense: the checksum is no proof of good will.
+fn forged(change: impl FnOnce(&mut mt_core::explicit::Parts<3>)) -> Result<Explicit<3>, mt_core::explicit::Invalid> {
+    let model = model_of(&generate::sphere(2), &EdgeCollapse::FULL);
+    let mut parts = model.parts().clone();
+    change(&mut parts);
+    Explicit::from_parts(parts)
+}
+
+#[test]
+fn forged_arrays_are_refused() {
+    assert!(forged(|_| {}).is_ok());
+    assert!(forged(|p| p.corners[3][0].0 = 1 << 30).is_err());
+    assert!(forged(|p| p.corners[3][0] = p.corners[3][1]).is_err());
+    assert!(forged(|p| p.fine[0].0 = u32::MAX).is_err());
+    assert!(forged(|p| p.fine[1] = p.fine[0]).is_err());
+    assert!(forged(|p| p.coarse_start[1] = u32::MAX).is_err());
+    assert!(forged(|p| p.coarse_start.truncate(0)).is_err());
+    assert!(forged(|p| p.fine_start.reverse()).is_err());
+    assert!(forged(|p| p.fine_start[0] = 1).is_err());
+    assert!(forged(|p| p.positions.truncate(5)).is_err());
+    assert!(forged(|p| p.positions[0].x = f32::NAN).is_err());
+    assert!(forged(|p| p.bounds[0].radius = f32::INFINITY).is_err());
+    assert!(forged(|p| p.bounds[0].error = -1.0).is_err());
+    assert!(forged(|p| p.bounds.truncate(1)).is_err());
+    assert!(forged(|p| p.input_vertex_count = u32::MAX).is_err());
+}
+
+proptest! {
+    #[test]
+    fn random_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        prop_assert!(container::read::<3>(&bytes).is_err());
+    }
+
+    #[test]
+    fn random_bytes_behind_a_good_head_never_panic(at in 0usize..4000, noise in prop::collection::vec(any::<u8>(), 1..64)) {
+        let mut bytes = small();
+        let at = at % (bytes.len() - noise.len());
+        let before = bytes.clone();
+        bytes[at..at + noise.len()].copy_from_slice(&noise);
+        prop_assume!(bytes != before);
+        prop_assert!(container::read::<3>(&bytes).is_err());
+    }
+}
+
+#[test]
+fn an_empty_model_round_trips() {
+    let model = model_of(&generate::triangle(), &EdgeCollapse::FULL);
+    assert!(model.is_empty());
+    assert_eq!(container::read::<3>(&bytes_of(&model)).unwrap().0, model);
+}
