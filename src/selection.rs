@@ -2,9 +2,9 @@
 
 use crate::files::{self, FileError};
 use clap::{Args, ValueEnum};
-use mt_core::{Bound, Camera, Explicit, MultiTessellation};
+use mt_core::{Camera, Explicit, MultiTessellation};
 use selective::{
-    Criterion, ErrorBelow, Focus, InRegion, Limits, Outcome, Region, ScreenError, State, Strategy, UniformError, adapt, extract,
+    ErrorBelow, Focus, InRegion, Limits, Outcome, Region, ScreenError, State, Strategy, UniformError, Wish, adapt, extract,
     extract_exact,
 };
 use std::path::PathBuf;
@@ -75,23 +75,6 @@ fn parse_region(text: &str) -> Result<Region, String> {
         return Err("the box must be finite".into());
     }
     Ok(Region { low: a.min(b), high: a.max(b) })
-}
-
-/// The criterion that the options ask for.
-pub enum Wish {
-    Uniform(UniformError),
-    Region(InRegion),
-    Screen(Box<ScreenError>),
-}
-
-impl Criterion<Bound> for Wish {
-    fn excess(&self, bound: &Bound, refined: bool) -> f32 {
-        match self {
-            Wish::Uniform(criterion) => criterion.excess(bound, refined),
-            Wish::Region(criterion) => criterion.excess(bound, refined),
-            Wish::Screen(criterion) => criterion.excess(bound, refined),
-        }
-    }
 }
 
 /// Why the options ask for nothing.

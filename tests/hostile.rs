@@ -224,6 +224,24 @@ fn instances_of_instances_stay_in_proportion() {
     assert!(survive(Format::Gltf, gltf.as_bytes()).unwrap().contains("unfold"));
 }
 
+/// A reader that looks back at the file for every face takes hours here.
+#[test]
+fn long_text_takes_linear_time() {
+    let count = 300_000u32;
+    let positions = (0..count + 2).map(|i| Vec3::new(i as f32, (i % 2) as f32, 0.0)).collect();
+    let cells: Vec<[u32; 3]> = (0..count).map(|i| [i, i + 1, i + 2]).collect();
+    let mesh = Mesh::from_indices(positions, &cells);
+    for format in [Format::Obj, Format::Off] {
+        assert_eq!(survive(format, &write(format, &mesh).unwrap()), None);
+    }
+    let off = String::from_utf8(write(Format::Off, &mesh).unwrap()).unwrap();
+    let body = off.splitn(3, '\n').nth(2).unwrap();
+    let ply = format!("ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {count}\nproperty list uchar int vertex_indices\nend_header\n{body}", count + 2);
+    assert_eq!(survive(Format::Ply, ply.as_bytes()), None);
+    let facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+    assert_eq!(survive(Format::Stl, format!("solid a\n{}endsolid a\n", facet.repeat(30_000)).as_bytes()), None);
+}
+
 #[test]
 fn a_polygon_with_many_corners_is_no_trouble() {
     let mut text = String::from("v 0 0 0\nv 1 0 0\nv 1 1 0\nf");

@@ -115,6 +115,27 @@ impl Criterion<Bound> for ScreenError {
     }
 }
 
+/// A criterion chosen at run time.
+#[derive(Clone, Debug)]
+pub enum Wish {
+    /// The same error everywhere.
+    Uniform(UniformError),
+    /// An error within a region.
+    Region(InRegion),
+    /// An error on a screen.
+    Screen(Box<ScreenError>),
+}
+
+impl Criterion<Bound> for Wish {
+    fn excess(&self, bound: &Bound, refined: bool) -> f32 {
+        match self {
+            Wish::Uniform(criterion) => criterion.excess(bound, refined),
+            Wish::Region(criterion) => criterion.excess(bound, refined),
+            Wish::Screen(criterion) => criterion.excess(bound, refined),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

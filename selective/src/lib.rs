@@ -31,7 +31,7 @@ mod extract;
 mod state;
 
 pub use adapt::{adapt, approach};
-pub use criterion::{Criterion, InRegion, Region, ScreenError, UniformError};
+pub use criterion::{Criterion, InRegion, Region, ScreenError, UniformError, Wish};
 pub use exact::{CellCriterion, CellView, ErrorBelow, Focus, ThresholdBelow, extract_exact};
 pub use extract::{Strategy, extract, wish_closure};
 pub use state::{Limits, Outcome, State};

@@ -4,38 +4,22 @@ use glam::Vec3;
 use mt_core::check::{Breach, Law, Random};
 use mt_core::model::{MultiTessellation, View};
 use mt_core::{Bound, Camera, NodeId};
-use selective::{Criterion, InRegion, Limits, Region, ScreenError, State, Strategy, UniformError, adapt, extract, wish_closure};
+use selective::{Criterion, InRegion, Limits, Region, ScreenError, State, Strategy, UniformError, Wish, adapt, extract, wish_closure};
 
 /// A criterion drawn at random: uniform, in a region, or on a screen.
-enum Drawn {
-    Uniform(UniformError),
-    Region(InRegion),
-    Screen(ScreenError),
-}
-
-impl Criterion<Bound> for Drawn {
-    fn excess(&self, bound: &Bound, refined: bool) -> f32 {
-        match self {
-            Drawn::Uniform(criterion) => criterion.excess(bound, refined),
-            Drawn::Region(criterion) => criterion.excess(bound, refined),
-            Drawn::Screen(criterion) => criterion.excess(bound, refined),
-        }
-    }
-}
-
-fn draw<const N: usize>(model: &impl MultiTessellation<N, Bound = Bound>, random: &mut Random) -> Drawn {
+fn draw<const N: usize>(model: &impl MultiTessellation<N, Bound = Bound>, random: &mut Random) -> Wish {
     // A threshold that is some node's error, so that ties occur.
     let error_max = model.bound(NodeId::new(random.below(model.len() as usize))).error;
     let at = model.bound(NodeId::new(random.below(model.len() as usize))).center;
     let extent = model.bound(NodeId(model.len() - 1)).radius.max(f32::MIN_POSITIVE);
     let size = extent * random.unit() as f32;
     match random.below(3) {
-        0 => Drawn::Uniform(UniformError { error_max }),
-        1 => Drawn::Region(InRegion { region: Region { low: at - size, high: at + size }, error_max }),
+        0 => Wish::Uniform(UniformError { error_max }),
+        1 => Wish::Region(InRegion { region: Region { low: at - size, high: at + size }, error_max }),
         _ => {
             let from = Vec3::new(random.unit() as f32 - 0.5, random.unit() as f32 - 0.5, random.unit() as f32 - 0.5);
             let camera = Camera::around(at - size, at + size, from);
-            Drawn::Screen(ScreenError::new(&camera, 20.0 * random.unit() as f32))
+            Wish::Screen(Box::new(ScreenError::new(&camera, 20.0 * random.unit() as f32)))
         }
     }
 }

@@ -109,6 +109,7 @@ fn first_out_of_range(text: &[u8], count: usize) -> Refusal {
 struct Line<'a> {
     text: &'a [u8],
     number: usize,
+    continued: bool,
 }
 
 /// Lines ended by LF, CR LF or CR, and continued by a final backslash unless they are comments.
@@ -145,7 +146,7 @@ impl<'a> Iterator for Lines<'a> {
         };
         let text = &self.rest[..end];
         self.rest = &self.rest[next..];
-        Some(Line { text, number })
+        Some(Line { text, number, continued: self.number > number + 1 })
     }
 }
 
@@ -224,7 +225,10 @@ impl<'a> Feeder<'a> {
             self.line = line;
             let whole = without_comment(line.text);
             let end = if word == b"v" { self.end_of_position(whole) } else { whole.len() };
-            self.buffer.extend(whole[..end].iter().map(|b| if is_separator(b) { b' ' } else { *b }));
+            self.buffer.extend_from_slice(&whole[..end]);
+            if line.continued {
+                self.buffer.iter_mut().filter(|b| is_separator(b)).for_each(|b| *b = b' ');
+            }
             self.buffer.push(b'\n');
             return;
         }

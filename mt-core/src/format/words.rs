@@ -68,7 +68,9 @@ impl<'a> Words<'a> {
 
     /// Refuses a count that the remaining bytes cannot hold at `least` bytes each.
     pub(super) fn check_count(&self, what: &str, declared: u64, least: usize) -> Result<usize, Refusal> {
-        check_count(self.line(), what, declared, least, self.remaining())
+        // The line is counted only for a refusal: this is called for every face.
+        check_count(Place::File, what, declared, least, self.remaining())
+            .map_err(|refusal| Refusal::new(self.line(), refusal.problem))
     }
 }
 

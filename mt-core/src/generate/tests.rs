@@ -3,6 +3,7 @@
 use super::*;
 use crate::id::VertexId;
 use crate::mesh::{Mesh, area_vector, volume_six};
+use crate::random::Random;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,13 +1,13 @@
 //! Extraction along the camera path, for every criterion and strategy.
 
 use super::{Config, Observation, Results, Subject, camera_path};
-use mt_core::{Bits, Bound, Camera, Explicit, MultiTessellation};
-use selective::{Criterion, InRegion, Limits, Outcome, Region, ScreenError, State, Strategy, UniformError, adapt, extract};
+use mt_core::{Bits, Camera, Explicit, MultiTessellation};
+use selective::{InRegion, Limits, Outcome, Region, ScreenError, State, Strategy, UniformError, Wish, adapt, extract};
 use std::time::Instant;
 
 /// A criterion and the limits it is asked under, for one frame.
-struct Wish {
-    criterion: Box<dyn Criterion<Bound>>,
+struct Query {
+    criterion: Wish,
     limits: Limits,
 }
 
@@ -28,9 +28,9 @@ pub(super) fn observe(subject: &Subject, operator: &str, model: &Explicit<3>, co
             }
             let mut state = State::new(model, ());
             for (frame, camera) in cameras.iter().enumerate() {
-                let wish = wish(criterion, subject, config, camera, frame);
+                let query = query(criterion, subject, config, camera, frame);
                 let begun = Instant::now();
-                let outcome = answer(model, &wish, strategy, &mut state);
+                let outcome = answer(model, &query, strategy, &mut state);
                 let seconds = begun.elapsed().as_secs_f64();
                 results.observations.push(Observation {
                     model: subject.name.clone(),
@@ -51,26 +51,26 @@ pub(super) fn observe(subject: &Subject, operator: &str, model: &Explicit<3>, co
     }
 }
 
-fn answer(model: &Explicit<3>, wish: &Wish, strategy: &str, state: &mut State<3, Explicit<3>, ()>) -> Outcome {
+fn answer(model: &Explicit<3>, query: &Query, strategy: &str, state: &mut State<3, Explicit<3>, ()>) -> Outcome {
     state.steps.clear();
     let sequence = match strategy {
-        "incremental" => return adapt(model, &*wish.criterion, &wish.limits, state),
+        "incremental" => return adapt(model, &query.criterion, &query.limits, state),
         "priority" => Strategy::Priority,
         _ => Strategy::TopDown,
     };
-    let (fresh, outcome) = extract(model, &*wish.criterion, &wish.limits, sequence, ());
+    let (fresh, outcome) = extract(model, &query.criterion, &query.limits, sequence, ());
     *state = fresh;
     outcome
 }
 
-fn wish(criterion: &str, subject: &Subject, config: &Config, camera: &Camera, frame: usize) -> Wish {
+fn query(criterion: &str, subject: &Subject, config: &Config, camera: &Camera, frame: usize) -> Query {
     let diagonal = subject.mesh.diagonal() as f32;
     let t = frame as f32 / config.frames.max(1) as f32;
     match criterion {
         // From coarse to fine, by the same factor each frame.
         "uniform" => {
             let error_max = diagonal * 0.02 * (0.005f32).powf(t);
-            Wish { criterion: Box::new(UniformError { error_max }), limits: Limits::NONE }
+            Query { criterion: Wish::Uniform(UniformError { error_max }), limits: Limits::NONE }
         }
         // A box of a quarter of the extent travels through the model.
         "region" => {
@@ -78,13 +78,13 @@ fn wish(criterion: &str, subject: &Subject, config: &Config, camera: &Camera, fr
             let half = (high - low) * 0.125;
             let at = low + half + (high - low - half * 2.0) * t;
             let region = Region { low: at - half, high: at + half };
-            Wish { criterion: Box::new(InRegion { region, error_max: diagonal * 2e-4 }), limits: Limits::NONE }
+            Query { criterion: Wish::Region(InRegion { region, error_max: diagonal * 2e-4 }), limits: Limits::NONE }
         }
-        "screen" => Wish { criterion: Box::new(ScreenError::new(camera, config.error_px)), limits: Limits::NONE },
+        "screen" => Query { criterion: Wish::Screen(Box::new(ScreenError::new(camera, config.error_px))), limits: Limits::NONE },
         _ => {
             let cells = (subject.mesh.cell_count() / 10) as u32;
             let limits = Limits { cells: Some(cells), time: None };
-            Wish { criterion: Box::new(ScreenError::new(camera, 0.0)), limits }
+            Query { criterion: Wish::Screen(Box::new(ScreenError::new(camera, 0.0))), limits }
         }
     }
 }
