@@ -85,6 +85,9 @@ fn forged_arrays_are_refused() {
     assert!(forged(|p| p.bounds[0].radius = f32::INFINITY).is_err());
     assert!(forged(|p| p.bounds[0].error = -1.0).is_err());
     assert!(forged(|p| p.bounds.truncate(1)).is_err());
+    assert!(forged(|p| p.parents[0] = mt_core::NodeId(0)).is_err());
+    assert!(forged(|p| p.parents[0] = mt_core::NodeId::NONE).is_err());
+    assert!(forged(|p| p.parents.truncate(1)).is_err());
     assert!(forged(|p| p.input_vertex_count = u32::MAX).is_err());
 }
 

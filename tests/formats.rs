@@ -4,9 +4,12 @@
 //! what is no triangle; splitting makes a surface manifold and keeps its triangles. Real files
 //! are looked for under `MT_DATA`, with their counts in `MANIFEST.tsv`.
 
-use mt_core::format::{Census, Format, LoadOptions, LoadReport, NonManifold, ReadError, WriteError, census, read, split_non_manifold, write};
-use mt_core::{Mesh, VertexId};
 use glam::Vec3;
+use mt_core::format::{
+    Census, Format, LoadOptions, LoadReport, NonManifold, ReadError, WriteError, census, read, split_non_manifold,
+    write,
+};
+use mt_core::{Mesh, VertexId};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -45,9 +48,11 @@ fn clean_soup() -> impl Strategy<Value = Mesh<3>> {
                     cells.push([a, b, c]);
                 }
             }
-            let mut positions: Vec<Vec3> = (0..12).map(|i| Vec3::new(i as f32, (i * i % 7) as f32, 1.0 / (i + 3) as f32) * scale).collect();
+            let mut positions: Vec<Vec3> =
+                (0..12).map(|i| Vec3::new(i as f32, (i * i % 7) as f32, 1.0 / (i + 3) as f32) * scale).collect();
             positions[5] = Vec3::from_array(odd);
-            let distinct: BTreeSet<[u32; 3]> = positions.iter().map(|p| p.to_array().map(|x| (x + 0.0).to_bits())).collect();
+            let distinct: BTreeSet<[u32; 3]> =
+                positions.iter().map(|p| p.to_array().map(|x| (x + 0.0).to_bits())).collect();
             (!cells.is_empty() && distinct.len() == 12).then(|| Mesh::from_indices(positions, &cells).compact())
         },
     )
@@ -222,7 +227,9 @@ fn repairs_are_reported() {
     assert_eq!((report.unused_vertices, report.unused_not_finite), (1, 1));
     assert_eq!(report.census.inconsistent_edges.count, 1);
     let text = report.to_string();
-    for part in ["1 vertices merged", "faces 2, 3)", "dropped as duplicates", "(1 not finite)", "disagree in orientation"] {
+    for part in
+        ["1 vertices merged", "faces 2, 3)", "dropped as duplicates", "(1 not finite)", "disagree in orientation"]
+    {
         assert!(text.contains(part), "{part}: {text}");
     }
 }
@@ -240,8 +247,14 @@ fn off_variants() {
     for text in same {
         assert_eq!(load_default(Format::Off, text.as_bytes()).0, plain, "{text}");
     }
-    assert_eq!(refused(Format::Off, b"OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n3 0 1 3\n"), "OFF, line 6: vertex index 3 is out of range (3 vertices)");
-    assert_eq!(refused(Format::Off, b"OFF\n3 1 0\n0.0 0.0 0.0\n1.0 0.0 0.0\n"), "OFF, line 4: the file ends in the middle of a vertex");
+    assert_eq!(
+        refused(Format::Off, b"OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n3 0 1 3\n"),
+        "OFF, line 6: vertex index 3 is out of range (3 vertices)"
+    );
+    assert_eq!(
+        refused(Format::Off, b"OFF\n3 1 0\n0.0 0.0 0.0\n1.0 0.0 0.0\n"),
+        "OFF, line 4: the file ends in the middle of a vertex"
+    );
     assert!(refused(Format::Off, b"4OFF\n3 1 0\n").contains("not supported"));
 }
 
@@ -256,7 +269,10 @@ fn stl_text_and_binary() {
     binary.truncate(100);
     binary[..5].copy_from_slice(b"other");
     assert!(refused(Format::Stl, &binary).contains("1 triangles are declared"));
-    assert_eq!(refused(Format::Stl, text.replace("1 0 0\n", "1 0 zero\n").as_bytes()), "STL, line 5: \"zero\" is not a number that can stand here");
+    assert_eq!(
+        refused(Format::Stl, text.replace("1 0 0\n", "1 0 zero\n").as_bytes()),
+        "STL, line 5: \"zero\" is not a number that can stand here"
+    );
 }
 
 #[test]
@@ -271,7 +287,12 @@ fn ply_layouts() {
     for big in [false, true] {
         let name = if big { "big" } else { "little" };
         let mut bytes = format!("ply\nformat binary_{name}_endian 1.0\nelement vertex 3\nproperty double x\nproperty short y\nproperty uchar flag\nproperty int8 z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n").into_bytes();
-        let order = |mut bytes: Vec<u8>| { if big { bytes.reverse() } bytes };
+        let order = |mut bytes: Vec<u8>| {
+            if big {
+                bytes.reverse()
+            }
+            bytes
+        };
         for p in &expected {
             bytes.extend(order(f64::from(p.x).to_le_bytes().to_vec()));
             bytes.extend(order((p.y as i16).to_le_bytes().to_vec()));
@@ -334,8 +355,12 @@ fn manifest(data: &std::path::Path, folder: &str) -> Vec<Known> {
     let text = std::fs::read_to_string(data.join("MANIFEST.tsv")).unwrap();
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().unwrap_or_default().split('\t').collect();
-    let rows = lines.map(|line| names.iter().map(|n| n.to_string()).zip(line.split('\t').map(str::to_string)).collect::<BTreeMap<_, _>>());
-    rows.map(|columns| Known { path: columns["path"].clone(), columns }).filter(|known| known.path.starts_with(folder)).collect()
+    let rows = lines.map(|line| {
+        names.iter().map(|n| n.to_string()).zip(line.split('\t').map(str::to_string)).collect::<BTreeMap<_, _>>()
+    });
+    rows.map(|columns| Known { path: columns["path"].clone(), columns })
+        .filter(|known| known.path.starts_with(folder))
+        .collect()
 }
 
 fn format_of(path: &str) -> Option<Format> {
@@ -355,7 +380,8 @@ fn real_surfaces_have_their_known_counts() {
         let (mesh, report) = load_file(&data, &known.path, &as_is()).unwrap_or_else(|e| panic!("{}: {e}", known.path));
         println!("{}\n{report}", known.path);
         compare(&known, &report);
-        let (_, split) = load_file(&data, &known.path, &LoadOptions { weld: true, non_manifold: NonManifold::Split }).unwrap();
+        let (_, split) =
+            load_file(&data, &known.path, &LoadOptions { weld: true, non_manifold: NonManifold::Split }).unwrap();
         assert!(split.census.is_manifold(), "{}", known.path);
         assert_eq!(census(&mesh), report.census);
     }
@@ -372,7 +398,8 @@ fn compare(known: &Known, report: &LoadReport) {
         assert_eq!(Some(*components), known.number("components"), "{path}");
         assert_eq!(Some(report.duplicate_triangles.count), known.number("duplicate_faces"), "{path}");
     }
-    if report.degenerate_triangles.count + report.duplicate_triangles.count == 0 && known.number("components").is_some() {
+    if report.degenerate_triangles.count + report.duplicate_triangles.count == 0 && known.number("components").is_some()
+    {
         assert_eq!(Some(report.unused_vertices), known.number("unused_vertices"), "{path}");
         assert_eq!(Some(*boundary_edges), known.number("boundary_edges"), "{path}");
         assert_eq!(Some(*boundary_loops), known.number("boundary_loops"), "{path}");

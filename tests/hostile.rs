@@ -3,9 +3,9 @@
 //! Laws: every input is answered by a clean mesh or by one clear line; what is read can be written
 //! and read again. Broken files found in the wild are looked for under `MT_DATA`.
 
-use mt_core::format::{Format, LoadOptions, NonManifold, read, write};
-use mt_core::Mesh;
 use glam::Vec3;
+use mt_core::Mesh;
+use mt_core::format::{Format, LoadOptions, NonManifold, read, write};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -59,9 +59,13 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
     seeds.push((Format::Stl, stl.into()));
     let obj = "\u{FEFF}# x\nmtllib a.mtl\no a\nv 0 0 0 1\nv 1 0 0 0.5 0.5 0.5\nvt 0 1\nvn 0 0 1\nv 1 1 0\nv 0 1 0\ng b\nusemtl c\nf 1/1/1 2//1 3/1 \\\n -1\nl 1 2\np 3\n";
     seeds.push((Format::Obj, obj.into()));
-    seeds.push((Format::Off, "STCOFF # c\n4 2 5\n0 0 0 1 1\n1 0 0\n1 1 0\n0 1 0\n# d\n4 0 1 2 3\n3 0 1 2 255 0 0\n".into()));
+    seeds.push((
+        Format::Off,
+        "STCOFF # c\n4 2 5\n0 0 0 1 1\n1 0 0\n1 1 0\n0 1 0\n# d\n4 0 1 2 3\n3 0 1 2 255 0 0\n".into(),
+    ));
     // 42 bytes: three positions and three indices of two bytes.
-    let mut buffer: Vec<u8> = [0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let mut buffer: Vec<u8> =
+        [0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
     buffer.extend([0, 0, 1, 0, 2, 0]);
     let gltf = format!(
         r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"children":[1],"rotation":[0,0,0,1]}},{{"mesh":0,"scale":[1,2,3]}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1,"mode":5}}]}}],"accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","sparse":{{"count":1,"indices":{{"bufferView":1,"componentType":5123}},"values":{{"bufferView":0}}}}}},{{"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}}],"bufferViews":[{{"buffer":0,"byteLength":36,"byteStride":12}},{{"buffer":0,"byteOffset":36,"byteLength":6}}],"buffers":[{{"byteLength":42,"uri":"data:application/octet-stream;base64,{}"}}]}}"#,
@@ -92,7 +96,25 @@ enum Fault {
 }
 
 fn fault() -> impl Strategy<Value = Fault> {
-    let words = ["-1", "0", "4294967295", "99999999999999999999", "nan", "1e39", "\\\n", "#", "\r", "/", "f ", "v ", "\0\0\0\0", "[", "{}", "null", "-0.0"];
+    let words = [
+        "-1",
+        "0",
+        "4294967295",
+        "99999999999999999999",
+        "nan",
+        "1e39",
+        "\\\n",
+        "#",
+        "\r",
+        "/",
+        "f ",
+        "v ",
+        "\0\0\0\0",
+        "[",
+        "{}",
+        "null",
+        "-0.0",
+    ];
     let word = prop_oneof![
         prop::sample::select(words.to_vec()).prop_map(|w| w.as_bytes().to_vec()),
         prop::collection::vec(any::<u8>(), 1..9),
@@ -201,7 +223,11 @@ fn promises_are_not_paid_for_in_advance() {
     assert!(survive(Format::Ply, head.as_bytes()).unwrap().contains("4000000000 vertex elements are declared"));
     let nothing = "ply\nformat binary_little_endian 1.0\nelement nothing 18446744073709551615\nend_header\n";
     assert!(survive(Format::Ply, nothing.as_bytes()).is_some());
-    assert!(survive(Format::Off, b"OFF\n99999999999 99999999999 0\n").unwrap().contains("99999999999 vertices are declared"));
+    assert!(
+        survive(Format::Off, b"OFF\n99999999999 99999999999 0\n")
+            .unwrap()
+            .contains("99999999999 vertices are declared")
+    );
     assert!(survive(Format::Off, b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4000000000 0 1 2\n").unwrap().contains("corners"));
 }
 
@@ -236,7 +262,10 @@ fn long_text_takes_linear_time() {
     }
     let off = String::from_utf8(write(Format::Off, &mesh).unwrap()).unwrap();
     let body = off.splitn(3, '\n').nth(2).unwrap();
-    let ply = format!("ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {count}\nproperty list uchar int vertex_indices\nend_header\n{body}", count + 2);
+    let ply = format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {count}\nproperty list uchar int vertex_indices\nend_header\n{body}",
+        count + 2
+    );
     assert_eq!(survive(Format::Ply, ply.as_bytes()), None);
     let facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
     assert_eq!(survive(Format::Stl, format!("solid a\n{}endsolid a\n", facet.repeat(30_000)).as_bytes()), None);

@@ -38,6 +38,11 @@ impl Bound {
         self.cone = self.cone.union(other.cone);
     }
 
+    /// The radius that the sphere would have after [`Self::include`].
+    pub fn radius_with(&self, other: &Bound) -> f32 {
+        sphere_union((self.center, self.radius), (other.center, other.radius)).1
+    }
+
     /// Whether `self` contains `other`, in every part.
     pub fn contains(&self, other: &Bound) -> bool {
         let apart = self.center.as_dvec3().distance(other.center.as_dvec3());
@@ -127,9 +132,9 @@ impl Cone {
             return Self::EMPTY;
         }
         let sum: Vec3 = vectors.iter().map(|v| v.normalize_or_zero()).sum();
-        let Some(axis) = sum.try_normalize() else { return Self::ALL };
+        let Some(axis) = sum.try_normalize().filter(|_| !vectors.contains(&Vec3::ZERO)) else { return Self::ALL };
         let least = vectors.iter().map(|v| v.normalize_or_zero().dot(axis)).fold(1.0, f32::min);
-        if vectors.contains(&Vec3::ZERO) { Self::ALL } else { Self::new(axis, least.clamp(-1.0, 1.0).acos()) }
+        Self::new(axis, least.clamp(-1.0, 1.0).acos())
     }
 
     /// The least cone, up to rounding outwards, that holds both.
@@ -162,12 +167,12 @@ impl Cone {
 }
 
 /// The cone of normals of these cells: of triangles in space; every normal for cells of other dimensions.
-pub fn cone_of_cells<const N: usize>(corners: impl Iterator<Item = [Vec3; N]>, scratch: &mut Vec<Vec3>) -> Cone {
+pub fn cone_of_cells<const N: usize>(cells: &[[Vec3; N]], scratch: &mut Vec<Vec3>) -> Cone {
     if N != 3 {
         return Cone::ALL;
     }
     scratch.clear();
-    scratch.extend(corners.map(|c| area_vector([c[0].as_dvec3(), c[1].as_dvec3(), c[2].as_dvec3()]).as_vec3()));
+    scratch.extend(cells.iter().map(|c| area_vector([c[0].as_dvec3(), c[1].as_dvec3(), c[2].as_dvec3()]).as_vec3()));
     Cone::of_vectors(scratch)
 }
 

@@ -68,6 +68,7 @@ fn facts<const N: usize>(model: &Explicit<N>, meta: &Meta) -> Value {
             "coarse_sides": 4 * parts.coarse_start.len(),
             "fine_sides": 4 * (parts.fine.len() + parts.fine_start.len()),
             "arcs": order.bytes(),
+            "discovery_forest": size_of_val(parts.parents.as_slice()),
             "bounds": size_of_val(parts.bounds.as_slice()),
             "base": size_of_val(model.base_cells()),
         },

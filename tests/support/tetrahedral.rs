@@ -14,7 +14,7 @@ use mt_core::{Plan, Refusal, VertexId};
 pub struct VertexIntoNeighbour;
 
 /// An edge from an inner vertex, and the stamp of its star.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Pull {
     from: VertexId,
     into: VertexId,

@@ -41,8 +41,8 @@ impl<const N: usize> Draft<N> {
 /// A site is a place where the operator may act, such as an edge. A site whose price changes must become another site
 /// (carry a stamp in it), so that what waits in the queue is either current or stale and never half right.
 pub trait Operator<const N: usize> {
-    /// A place to act. Ties in price are broken by the sequence in which sites are named, so name them in a fixed one.
-    type Site: Copy;
+    /// A place to act. Ties in price are broken by its order, so results do not depend on chance.
+    type Site: Copy + Ord;
     /// What the operator keeps beside the mesh: quadrics, boundary flags, stamps.
     type Aux;
 

@@ -1,95 +1,61 @@
-//! The queue of sites by price: a four-ary heap of eight-byte entries, without updates.
+//! The queue of sites by price: buckets of nearly equal prices, sorted when their turn comes.
 //!
-//! A site with a new price is a new site, so nothing is ever moved within the heap by name. An entry is the price as
-//! `f32` bits over the place of its site in a table; eight bytes keep the heap of a hundred thousand triangles in the
-//! cache, where a heap of prices and sites side by side took twice the time of the whole rest of the loop.
+//! A site with a new price is a new site, so nothing is ever moved within the queue by name, and what leaves it is in
+//! exact order. Measured on scans of a hundred thousand triangles, where a heap of all sites does not fit the cache: a
+//! binary heap of prices and sites took half of all analysis, a four-ary heap of eight-byte entries a third of it, this
+//! a twentieth.
 
-/// Sites by price; equal prices (as `f32`) by their place in the table, which depends on the input alone.
+/// Sites by price (as `f32`), equal prices by site.
 pub(super) struct Queue<S> {
-    heap: Vec<u64>,
-    sites: Vec<S>,
-    free: Vec<u32>,
+    /// One for each value of the price's upper bits: prices within a bucket differ by less than a hundredth.
+    buckets: Vec<Vec<(u32, S)>>,
+    /// No bucket below holds anything.
+    lowest: usize,
+    /// The bucket that is sorted, lowest last.
+    current: usize,
 }
 
-const ARITY: usize = 4;
+/// Bits of a price that choose within a bucket; the sign bit is never set.
+const LOWER_BITS: u32 = 16;
+const BUCKETS: usize = 1 << (31 - LOWER_BITS);
 
-impl<S: Copy> Queue<S> {
+impl<S: Copy + Ord> Queue<S> {
     pub(super) fn new(priced: impl Iterator<Item = (f64, S)>) -> Self {
-        let mut queue = Self { heap: Vec::new(), sites: Vec::new(), free: Vec::new() };
-        for (price, site) in priced {
-            let entry = queue.entry(price, site);
-            queue.heap.push(entry);
-        }
-        for at in (0..queue.heap.len().div_ceil(ARITY)).rev() {
-            queue.sink(at);
-        }
+        let buckets = std::iter::repeat_with(Vec::new).take(BUCKETS).collect();
+        let mut queue = Self { buckets, lowest: 0, current: usize::MAX };
+        priced.for_each(|(price, site)| queue.push(price, site));
         queue
     }
 
     pub(super) fn push(&mut self, price: f64, site: S) {
-        let entry = self.entry(price, site);
-        self.heap.push(entry);
-        self.swim(self.heap.len() - 1);
+        let entry = (key(price), site);
+        let b = (entry.0 >> LOWER_BITS) as usize;
+        let bucket = &mut self.buckets[b];
+        if b == self.current {
+            let at = bucket.partition_point(|other| *other > entry);
+            bucket.insert(at, entry);
+        } else {
+            bucket.push(entry);
+        }
+        self.lowest = self.lowest.min(b);
     }
 
     pub(super) fn pop(&mut self) -> Option<S> {
-        let top = *self.heap.first()?;
-        let last = self.heap.pop().expect("there is a first");
-        if !self.heap.is_empty() {
-            self.heap[0] = last;
-            self.sink(0);
+        while self.buckets.get(self.lowest)?.is_empty() {
+            self.lowest += 1;
         }
-        let place = top as u32;
-        self.free.push(place);
-        Some(self.sites[place as usize])
-    }
-
-    fn entry(&mut self, price: f64, site: S) -> u64 {
-        let place = match self.free.pop() {
-            Some(place) => {
-                self.sites[place as usize] = site;
-                place
-            }
-            None => {
-                self.sites.push(site);
-                self.sites.len() as u32 - 1
-            }
-        };
-        u64::from(key(price)) << 32 | u64::from(place)
-    }
-
-    fn swim(&mut self, mut at: usize) {
-        let entry = self.heap[at];
-        while at > 0 {
-            let parent = (at - 1) / ARITY;
-            if self.heap[parent] <= entry {
-                break;
-            }
-            self.heap[at] = self.heap[parent];
-            at = parent;
+        let bucket = &mut self.buckets[self.lowest];
+        if self.lowest != self.current {
+            bucket.sort_unstable_by(|a, b| b.cmp(a));
+            self.current = self.lowest;
         }
-        self.heap[at] = entry;
-    }
-
-    fn sink(&mut self, mut at: usize) {
-        let Some(&entry) = self.heap.get(at) else { return };
-        loop {
-            let first = at * ARITY + 1;
-            let children = self.heap.get(first..(first + ARITY).min(self.heap.len())).unwrap_or(&[]);
-            let Some((offset, &least)) = children.iter().enumerate().min_by_key(|(_, e)| **e) else { break };
-            if least >= entry {
-                break;
-            }
-            self.heap[at] = least;
-            at = first + offset;
-        }
-        self.heap[at] = entry;
+        bucket.pop().map(|(_, site)| site)
     }
 }
 
 /// Bits that order as prices do. Prices below 0 count as 0, what is not a number as the highest.
 fn key(price: f64) -> u32 {
-    if price.is_nan() { u32::MAX } else { (price.max(0.0) as f32).to_bits() }
+    if price.is_nan() { f32::INFINITY.to_bits() } else { (price.max(0.0) as f32).to_bits() }
 }
 
 #[cfg(test)]
@@ -97,22 +63,27 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    /// Prices over many buckets, and several in one.
+    fn price() -> impl Strategy<Value = f64> {
+        prop_oneof![0f64..10.0, 1f64..1.005, Just(0.0), Just(f64::INFINITY), 1e-30f64..1e-20]
+    }
+
     proptest! {
         #[test]
-        fn comes_out_sorted(start in prop::collection::vec(0f64..10.0, 0..40), later in prop::collection::vec(0f64..10.0, 0..40)) {
-            let mut queue = Queue::new(start.iter().map(|&p| (p, p)));
-            let mut kept = start;
-            for price in later {
-                let popped = queue.pop();
-                kept.sort_by(f64::total_cmp);
-                let least = (!kept.is_empty()).then(|| kept.remove(0));
-                prop_assert_eq!(popped.map(|p| p as f32), least.map(|p| p as f32));
-                queue.push(price, price);
-                kept.push(price);
+        fn comes_out_sorted(start in prop::collection::vec(price(), 0..40), later in prop::collection::vec(price(), 0..80)) {
+            let entry = |i: usize, price: f64| (key(price), i);
+            let mut kept: Vec<_> = start.iter().enumerate().map(|(i, &p)| entry(i, p)).collect();
+            let mut queue = Queue::new(start.iter().enumerate().map(|(i, &p)| (p, i)));
+            for (i, price) in later.into_iter().enumerate() {
+                kept.sort_unstable();
+                let least = (!kept.is_empty()).then(|| kept.remove(0).1);
+                prop_assert_eq!(queue.pop(), least);
+                queue.push(price, 1000 + i);
+                kept.push(entry(1000 + i, price));
             }
-            kept.sort_by(f64::total_cmp);
-            let rest: Vec<f32> = std::iter::from_fn(|| queue.pop()).map(|p| p as f32).collect();
-            prop_assert_eq!(rest, kept.into_iter().map(|p| p as f32).collect::<Vec<_>>());
+            kept.sort_unstable();
+            let rest: Vec<usize> = std::iter::from_fn(|| queue.pop()).collect();
+            prop_assert_eq!(rest, kept.into_iter().map(|(_, i)| i).collect::<Vec<_>>());
         }
     }
 }

@@ -12,7 +12,8 @@
 //! | 4 | CRC-32 of all the above |
 //!
 //! Sections start at multiples of 64, with zeros between. `META` is JSON ([`Meta`]), the others are arrays of
-//! [`crate::explicit::Parts`] as they are in memory: `POSI`, `CORN`, `CSTA`, `FSTA`, `FINE`, `BNDS`. The order is not
+//! [`crate::explicit::Parts`] as they are in memory: `POSI`, `CORN`, `CSTA`, `FSTA`, `FINE`, `PARE`,
+//! `BNDS`. The order is not
 //! stored, it follows from the cells. Loading copies the arrays once and checks all of them.
 
 mod layout;
@@ -115,6 +116,7 @@ pub fn write<const N: usize>(model: &Explicit<N>, meta: &Meta, out: &mut impl Wr
             Section { name: *b"CSTA", bytes: bytemuck::cast_slice(&parts.coarse_start) },
             Section { name: *b"FSTA", bytes: bytemuck::cast_slice(&parts.fine_start) },
             Section { name: *b"FINE", bytes: bytemuck::cast_slice(&parts.fine) },
+            Section { name: *b"PARE", bytes: bytemuck::cast_slice(&parts.parents) },
             Section { name: *b"BNDS", bytes: bytemuck::cast_slice(&parts.bounds) },
         ],
         out,
@@ -147,6 +149,7 @@ pub fn read<const N: usize>(bytes: &[u8]) -> Result<(Explicit<N>, Meta), Contain
         coarse_start: array(&sections, b"CSTA")?,
         fine_start: array(&sections, b"FSTA")?,
         fine: array::<CellId>(&sections, b"FINE")?,
+        parents: array(&sections, b"PARE")?,
         bounds: array(&sections, b"BNDS")?,
         error_kind: meta.error_kind,
     };

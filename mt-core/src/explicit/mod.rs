@@ -16,6 +16,7 @@
 //! | starts of coarse sides | 4 |
 //! | arcs, both directions | 8 a + 8 |
 //! | bounds | 24 |
+//! | discovery forest | 4 |
 
 mod parts;
 mod recorder;
@@ -26,7 +27,7 @@ pub use recorder::{HistoryError, Recorder};
 use crate::bits::Bits;
 use crate::bound::Bound;
 use crate::cell::Cell;
-use crate::id::{CellId, NodeId, VertexId};
+use crate::id::{CellId, NodeId};
 use crate::model::{Coarsen, MultiTessellation, Rule, Sink, View};
 use crate::order::Order;
 use crate::plan::Patch;
@@ -129,6 +130,11 @@ impl<const N: usize> Explicit<N> {
         }
     }
 
+    /// The node under which `m` is discovered; `None` for roots.
+    pub fn parent(&self, m: NodeId) -> Option<NodeId> {
+        Some(self.parts.parents[m.index()]).filter(|parent| !parent.is_none())
+    }
+
     /// Bytes of the model in memory, all arrays.
     pub fn bytes(&self) -> usize {
         self.parts.bytes() + self.order.bytes() + 4 * self.base.len()
@@ -178,7 +184,8 @@ impl<const N: usize> MultiTessellation<N> for Explicit<N> {
     }
 
     fn children(&self, m: NodeId, out: &mut Vec<NodeId>) {
-        out.extend(self.order.children(m));
+        let parents = &self.parts.parents;
+        out.extend(self.order.dependents(m).iter().copied().filter(|child| parents[child.index()] == m));
     }
 
     fn bound(&self, m: NodeId) -> Bound {
@@ -224,19 +231,4 @@ impl<const N: usize> MultiTessellation<N> for Explicit<N> {
             sink.make(cell, *self.corners(cell));
         }
     }
-}
-
-/// Vertices of a set of cells, each once, as positions, written over `out`.
-fn points_of<'a, const N: usize>(
-    cells: impl Iterator<Item = &'a Cell<N>>,
-    positions: &[Vec3],
-    seen: &mut Vec<VertexId>,
-    out: &mut Vec<Vec3>,
-) {
-    seen.clear();
-    seen.extend(cells.flatten());
-    seen.sort_unstable();
-    seen.dedup();
-    out.clear();
-    out.extend(seen.iter().map(|v| positions[v.index()]));
 }

@@ -23,7 +23,9 @@ pub struct Parts<const N: usize> {
     pub fine_start: Vec<u32>,
     /// Fine sides.
     pub fine: Vec<CellId>,
-    /// Saturated bound of each node.
+    /// The need under which each node is discovered; none for those that need nothing.
+    pub parents: Vec<NodeId>,
+    /// Bound of each node, saturated along the discovery forest.
     pub bounds: Vec<Bound>,
     /// What the errors promise.
     pub error_kind: ErrorKind,
@@ -62,6 +64,14 @@ pub enum Invalid {
         /// Which.
         index: u32,
     },
+    /// The discovery forest hangs a node under one that it does not need.
+    #[error("node {node} is discovered under node {parent}, which it does not need")]
+    Parent {
+        /// The modification.
+        node: NodeId,
+        /// What it is said to hang under.
+        parent: NodeId,
+    },
     /// The derived order is not one.
     #[error(transparent)]
     Order(#[from] OrderError),
@@ -77,7 +87,7 @@ impl<const N: usize> Parts<N> {
     pub fn bytes(&self) -> usize {
         12 * self.positions.len()
             + 4 * N * self.corners.len()
-            + 4 * (self.coarse_start.len() + self.fine_start.len() + self.fine.len())
+            + 4 * (self.coarse_start.len() + self.fine_start.len() + self.fine.len() + self.parents.len())
             + size_of::<Bound>() * self.bounds.len()
     }
 
@@ -103,7 +113,7 @@ impl<const N: usize> Parts<N> {
         }
     }
 
-    fn fine_side(&self, m: usize) -> &[CellId] {
+    pub(super) fn fine_side(&self, m: usize) -> &[CellId] {
         &self.fine[self.fine_start[m] as usize..self.fine_start[m + 1] as usize]
     }
 }
@@ -122,6 +132,12 @@ impl<const N: usize> Explicit<N> {
     pub fn from_parts(parts: Parts<N>) -> Result<Self, Invalid> {
         parts.check()?;
         let order = derive_order(&parts)?;
+        Self::from_checked(parts, order)
+    }
+
+    /// The model of checked arrays and the order derived from them.
+    pub(super) fn from_checked(parts: Parts<N>, order: Order) -> Result<Self, Invalid> {
+        check_forest(&parts, &order)?;
         let mut killed = Bits::new(parts.corners.len() as u32);
         for cell in &parts.fine {
             killed.insert(cell.0);
@@ -131,8 +147,23 @@ impl<const N: usize> Explicit<N> {
     }
 }
 
+fn check_forest<const N: usize>(parts: &Parts<N>, order: &Order) -> Result<(), Invalid> {
+    if parts.parents.len() != parts.bounds.len() {
+        return Err(Invalid::Shape("parents"));
+    }
+    for (m, &parent) in parts.parents.iter().enumerate() {
+        let node = NodeId::new(m);
+        let needs = order.needs(node);
+        let good = if parent.is_none() { needs.is_empty() } else { needs.binary_search(&parent).is_ok() };
+        if !good {
+            return Err(Invalid::Parent { node, parent });
+        }
+    }
+    Ok(())
+}
+
 /// Node `m` needs `p` when `p` killed a cell that `m` had made.
-fn derive_order<const N: usize>(parts: &Parts<N>) -> Result<Order, Invalid> {
+pub(super) fn derive_order<const N: usize>(parts: &Parts<N>) -> Result<Order, Invalid> {
     let makers = makers_of(parts);
     let mut killed = Bits::new(parts.corners.len() as u32);
     let mut dependents = Rows::with_capacity(parts.bounds.len(), 6 * parts.bounds.len());

@@ -1,11 +1,13 @@
 //! The recorder: any simplification becomes a Multi-Tessellation by telling which cells it kills and makes.
 
-use super::{ErrorKind, Explicit, Invalid, Parts, points_of};
+use super::parts::derive_order;
+use super::{ErrorKind, Explicit, Invalid, Parts};
 use crate::bits::Bits;
 use crate::bound::{Bound, cone_of_cells};
 use crate::cell::{Cell, is_proper};
 use crate::id::{CellId, NodeId, VertexId};
 use crate::mesh::Mesh;
+use crate::order::Order;
 use glam::Vec3;
 
 /// Listens to a coarsening history and makes an [`Explicit`] model of it.
@@ -183,16 +185,17 @@ impl<const N: usize> Recorder<N> {
             coarse_start: self.coarse_start,
             fine_start: self.fine_start,
             fine: self.fine,
+            parents: vec![NodeId::NONE; self.errors.len()],
             bounds: vec![Bound::default(); self.errors.len()],
             error_kind,
         };
         parts.positions.shrink_to_fit();
         parts.corners.shrink_to_fit();
         parts.fine.shrink_to_fit();
-        let mut model = Explicit::from_parts(parts)?;
-        let bounds = saturated_bounds(&model, &self.errors);
-        model.parts.bounds = bounds;
-        Ok(model)
+        let order = derive_order(&parts)?;
+        parts.bounds = patch_bounds(&parts, &self.errors);
+        grow_forest(&order, &mut parts.bounds, &mut parts.parents);
+        Ok(Explicit::from_checked(parts, order)?)
     }
 
     fn grow_alive(&mut self) {
@@ -215,23 +218,37 @@ fn check_corners<const N: usize>(corners: &Cell<N>, vertex_count: usize) -> Resu
     if good { Ok(()) } else { Err(HistoryError::Corners(corners.map(|v| v.0).to_vec(), vertex_count)) }
 }
 
-/// Bounds of the patches, each grown by those discovered under it. Children have smaller ids, so one sweep does it.
-fn saturated_bounds<const N: usize>(model: &Explicit<N>, errors: &[f32]) -> Vec<Bound> {
-    let positions = &model.parts.positions;
-    let (mut seen, mut points, mut vectors) = (Vec::new(), Vec::new(), Vec::new());
-    let mut bounds: Vec<Bound> = Vec::with_capacity(errors.len());
-    for (m, &error) in errors.iter().enumerate() {
-        let node = NodeId::new(m);
-        let cells = || model.fine_side(node).iter().copied().chain(model.coarse_side(node)).map(|c| model.corners(c));
-        points_of(cells(), positions, &mut seen, &mut points);
-        let cone = cone_of_cells(cells().map(|cell| cell.map(|v| positions[v.index()])), &mut vectors);
-        bounds.push(Bound::of_patch(&points, error, cone));
-    }
-    for m in (0..errors.len()).map(NodeId::new) {
-        if let Some(parent) = model.order.parent(m) {
-            let child = bounds[m.index()];
+/// Bounds of the patches by themselves.
+fn patch_bounds<const N: usize>(parts: &Parts<N>, errors: &[f32]) -> Vec<Bound> {
+    let (mut points, mut vectors) = (Vec::new(), Vec::new());
+    let bound = |(m, &error): (usize, &f32)| {
+        let made = &parts.corners[parts.coarse_start[m] as usize..parts.coarse_start[m + 1] as usize];
+        let cells = parts.fine_side(m).iter().map(|cell| &parts.corners[cell.index()]).chain(made);
+        // A vertex comes once for each of its cells; sorting them out would cost more than measuring them again.
+        points.clear();
+        points.extend(cells.flatten().map(|v| parts.positions[v.index()]));
+        let cone = cone_of_cells(points.as_chunks::<N>().0, &mut vectors);
+        Bound::of_patch(&points, error, cone)
+    };
+    errors.iter().enumerate().map(bound).collect()
+}
+
+/// Hangs each node under that of its needs whose sphere grows least by it, and grows the bound there.
+///
+/// One sweep: what is discovered under a node has a smaller id, so a node's own bound is final when its turn comes.
+/// Spheres end up 1.1 to 1.3 times those of the patches on scans; under the need that comes first they were 2.5 times.
+fn grow_forest(order: &Order, bounds: &mut [Bound], parents: &mut [NodeId]) {
+    for m in (0..order.len()).map(NodeId) {
+        let child = bounds[m.index()];
+        let growth = |need: &NodeId| {
+            let radius = bounds[need.index()].radius;
+            (bounds[need.index()].radius_with(&child) - radius, radius)
+        };
+        let order_of = |a: &(f32, f32), b: &(f32, f32)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1));
+        let measured = order.needs(m).iter().map(|need| (growth(need), *need));
+        if let Some((_, parent)) = measured.min_by(|a, b| order_of(&a.0, &b.0)) {
+            parents[m.index()] = parent;
             bounds[parent.index()].include(&child);
         }
     }
-    bounds
 }

@@ -84,9 +84,7 @@ impl<'a> Edges<'a> {
     /// Every edge, by its smaller then its larger end.
     pub(super) fn iter(&self) -> impl Iterator<Item = Edge<'_>> {
         self.buckets.iter().flat_map(|(low, bucket)| {
-            bucket
-                .chunk_by(|a, b| a >> 32 == b >> 32)
-                .map(move |run| Edge { ends: [low, (run[0] >> 32) as u32], run })
+            bucket.chunk_by(|a, b| a >> 32 == b >> 32).map(move |run| Edge { ends: [low, (run[0] >> 32) as u32], run })
         })
     }
 

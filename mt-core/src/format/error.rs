@@ -74,7 +74,7 @@ pub enum Problem {
         count: usize,
     },
     /// The header promises more than the bytes can hold.
-    #[error("{declared} {what} are declared, more than the file's {bytes} bytes can hold")]
+    #[error("{declared} {what} are declared, more than {bytes} bytes can hold")]
     CountTooLarge {
         /// What is counted.
         what: String,

@@ -154,11 +154,12 @@ fn read_soup(format: Format, bytes: &[u8], resolve: &dyn Fn(&str) -> Option<Vec<
 
 fn finish(format: Format, mut soup: soup::Soup, options: &LoadOptions) -> Result<(Mesh<3>, LoadReport), Refusal> {
     soup.check_indices()?;
+    soup.check_positions()?;
     soup.turn_doubled_quads();
     let notes = std::mem::take(&mut soup.notes);
     let (vertices_written, faces_written) = (soup.positions.len(), soup.faces);
     let (polygons_triangulated, left_out) = (soup.polygons, soup.left);
-    let (mut mesh, repairs) = repair::repair(soup, options.weld)?;
+    let (mut mesh, repairs) = repair::repair(soup, options.weld);
     if mesh.cells.is_empty() {
         let problem = Problem::NoTriangles { vertices: vertices_written, faces: faces_written };
         return Err(Refusal::new(Place::File, problem));

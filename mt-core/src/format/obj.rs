@@ -53,16 +53,13 @@ fn collect_faces(soup: &mut Soup, mesh: &tobj::Mesh, vertex_count: usize) {
     }
 }
 
-/// Finds the line of a vertex that is not finite and that some face uses; others are dropped later.
+/// As [`Soup::check_positions`], with the line.
 fn refuse_not_finite(soup: &Soup, text: &[u8]) -> Result<(), Refusal> {
-    if soup.positions.iter().all(|p| p.is_finite()) {
-        return Ok(());
-    }
-    let bad = soup.triangles.iter().flatten().filter(|&&v| !soup.positions[v as usize].is_finite()).min();
-    let Some(&vertex) = bad else { return Ok(()) };
-    let line = Lines::new(text).filter(|line| keyword(line.text) == b"v").nth(vertex as usize);
-    let [x, y, z] = soup.positions[vertex as usize].to_array();
-    Err(Refusal::new(Place::Line(line.map_or(0, |line| line.number)), Problem::NotFinite(x, y, z)))
+    soup.check_positions().map_err(|refusal| {
+        let vertex = soup.first_not_finite().unwrap_or_default();
+        let line = Lines::new(text).filter(|line| keyword(line.text) == b"v").nth(vertex);
+        Refusal::new(line.map_or(refusal.place, |line| Place::Line(line.number)), refusal.problem)
+    })
 }
 
 /// What went wrong and where, from tobj's error (which tells neither) and a second look.
@@ -135,7 +132,8 @@ impl<'a> Iterator for Lines<'a> {
         let number = self.number;
         let mut next = 0;
         let end = loop {
-            let end = next + self.rest[next..].iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(self.rest.len() - next);
+            let end = next
+                + self.rest[next..].iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(self.rest.len() - next);
             let skip = if self.rest[end..].starts_with(b"\r\n") { 2 } else { 1 };
             next = (end + skip).min(self.rest.len());
             self.number += 1;

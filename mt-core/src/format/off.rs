@@ -74,7 +74,8 @@ fn header(words: &mut Words<'_>) -> Result<[u64; 2], Refusal> {
             Some(word) => word,
             None => {
                 words.skip_comments();
-                let word = words.next().ok_or_else(|| Refusal::new(words.line(), Problem::Truncated("the header".into())))?;
+                let word =
+                    words.next().ok_or_else(|| Refusal::new(words.line(), Problem::Truncated("the header".into())))?;
                 from_keyword_line = words.rest_of_line();
                 rest = Words::new(from_keyword_line, 0);
                 word

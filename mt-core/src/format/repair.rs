@@ -1,6 +1,5 @@
 //! From the faces of a file to a clean mesh: weld, drop what is no triangle, drop what nobody uses.
 
-use super::error::{Place, Problem, Refusal};
 use super::report::Dropped;
 use super::soup::{Soup, same_triangles};
 use crate::id::VertexId;
@@ -19,19 +18,19 @@ pub(super) struct Repairs {
 
 /// Cleans a soup. The order of vertices and triangles stays; a welded vertex keeps the place of its first.
 ///
-/// Requires: indices checked. O(n log n) for the weld, else linear; about 24 bytes a vertex and 12 a triangle beside the result.
-pub(super) fn repair(soup: Soup, weld: bool) -> Result<(Mesh<3>, Repairs), Refusal> {
+/// Requires: indices and positions checked. O(n log n) for the weld, else linear; about 24 bytes a vertex and 12 a triangle beside the result.
+pub(super) fn repair(soup: Soup, weld: bool) -> (Mesh<3>, Repairs) {
     let mut repairs = Repairs::default();
     // Until the last step, vertices keep the numbers of the file, so that messages can name them.
-    let mut same = weld.then(|| first_at_position(&soup.positions));
+    let same = weld.then(|| first_at_position(&soup.positions));
     let mut triangles = proper_triangles(&soup, same.as_deref(), &mut repairs);
     drop_duplicates(&soup, &mut triangles, &mut repairs);
-    if let Some(same) = &mut same {
+    if let Some(same) = &same {
         repairs.welded = same.iter().enumerate().filter(|&(v, first)| v as u32 != *first).count();
     }
     let kept: Vec<[u32; 3]> = triangles.into_iter().map(|(corners, _)| corners).collect();
-    let mesh = compact(&soup, kept, same.as_deref(), &mut repairs)?;
-    Ok((mesh, repairs))
+    let mesh = compact(&soup, kept, same.as_deref(), &mut repairs);
+    (mesh, repairs)
 }
 
 /// For each vertex the first one at bit-equal coordinates (with -0 = 0).
@@ -85,18 +84,14 @@ fn drop_duplicates(soup: &Soup, triangles: &mut Vec<Numbered>, repairs: &mut Rep
     });
 }
 
-/// Renumbers the vertices that are used, and refuses those among them that are nowhere.
-fn compact(soup: &Soup, mut triangles: Vec<[u32; 3]>, same: Option<&[u32]>, repairs: &mut Repairs) -> Result<Mesh<3>, Refusal> {
+/// Renumbers the vertices that are used, and drops the others.
+fn compact(soup: &Soup, mut triangles: Vec<[u32; 3]>, same: Option<&[u32]>, repairs: &mut Repairs) -> Mesh<3> {
     let mut renamed = vec![u32::MAX; soup.positions.len()];
     triangles.iter().flatten().for_each(|&v| renamed[v as usize] = 0);
     let mut positions = Vec::with_capacity(soup.positions.len());
     for (v, name) in renamed.iter_mut().enumerate() {
         let position = soup.positions[v];
         if *name == 0 {
-            if !position.is_finite() {
-                let [x, y, z] = position.to_array();
-                return Err(Refusal::new(Place::Vertex(v), Problem::NotFinite(x, y, z)));
-            }
             *name = positions.len() as u32;
             positions.push(position);
         } else if same.is_none_or(|same| same[v] as usize == v) {
@@ -109,5 +104,5 @@ fn compact(soup: &Soup, mut triangles: Vec<[u32; 3]>, same: Option<&[u32]>, repa
         *corner = renamed[*corner as usize];
     }
     let cells = triangles.into_iter().map(|corners| corners.map(VertexId)).collect();
-    Ok(Mesh { positions, cells })
+    Mesh { positions, cells }
 }

@@ -71,8 +71,26 @@ impl Soup {
             }
         }
         if turned > 0 {
-            self.notes.push(format!("{turned} quadrilaterals split along their other diagonal, where a fan would double a triangle"));
+            self.notes.push(format!(
+                "{turned} quadrilaterals split along their other diagonal, where a fan would double a triangle"
+            ));
         }
+    }
+
+    /// The first vertex whose position is not finite and that some triangle uses. Requires: indices checked.
+    pub(super) fn first_not_finite(&self) -> Option<usize> {
+        if self.positions.iter().all(|p| p.is_finite()) {
+            return None;
+        }
+        let corners = self.triangles.iter().flatten().map(|&v| v as usize);
+        corners.filter(|&v| !self.positions[v].is_finite()).min()
+    }
+
+    /// Refuses the first used vertex whose position is not finite; unused ones are dropped later.
+    pub(super) fn check_positions(&self) -> Result<(), Refusal> {
+        let Some(vertex) = self.first_not_finite() else { return Ok(()) };
+        let [x, y, z] = self.positions[vertex].to_array();
+        Err(Refusal::new(Place::Vertex(vertex), Problem::NotFinite(x, y, z)))
     }
 
     /// Refuses the first index that has no vertex, and counts that do not fit 32-bit ids.
@@ -110,6 +128,5 @@ pub(super) fn same_triangles(vertices: usize, triangles: impl Iterator<Item = [u
 
 /// An index as a file gives it, refused when no `u32` can hold it; whether its vertex is there is seen at the end.
 pub(super) fn index_of(value: i64, face: usize, count: usize) -> Result<u32, Refusal> {
-    u32::try_from(value)
-        .map_err(|_| Refusal::new(Place::Face(face), Problem::IndexOutOfRange { index: value, count }))
+    u32::try_from(value).map_err(|_| Refusal::new(Place::Face(face), Problem::IndexOutOfRange { index: value, count }))
 }

@@ -26,7 +26,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, Refusal> {
             Ok(soup)
         }
         Some(count) => {
-            let problem = Problem::CountTooLarge { what: "triangles".into(), declared: count.into(), bytes: bytes.len() };
+            let problem =
+                Problem::CountTooLarge { what: "triangles".into(), declared: count.into(), bytes: bytes.len() };
             Err(Refusal::new(Place::Byte(80), problem))
         }
         None => Err(Refusal::malformed(Place::File, "neither text (solid ...) nor long enough for binary")),
@@ -73,7 +74,9 @@ fn read_text(bytes: &[u8]) -> Result<Soup, Refusal> {
                 corners += 1;
             }
             b"endloop" if corners == 3 => corners = 0,
-            b"endloop" => return Err(Refusal::malformed(words.line(), format!("a loop of {corners} vertices instead of 3"))),
+            b"endloop" => {
+                return Err(Refusal::malformed(words.line(), format!("a loop of {corners} vertices instead of 3")));
+            }
             b"endfacet" => {}
             _ => return Err(Refusal::malformed(words.line(), format!("{:?} is no word of STL", excerpt(word)))),
         }

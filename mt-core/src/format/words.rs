@@ -75,7 +75,13 @@ impl<'a> Words<'a> {
 }
 
 /// `declared` as a size, if so many things of at least `least` bytes fit `bytes` (the last one may lack its separator).
-pub(super) fn check_count(place: Place, what: &str, declared: u64, least: usize, bytes: usize) -> Result<usize, Refusal> {
+pub(super) fn check_count(
+    place: Place,
+    what: &str,
+    declared: u64,
+    least: usize,
+    bytes: usize,
+) -> Result<usize, Refusal> {
     let fits = (bytes as u64 + 1) / least.max(1) as u64;
     if declared > fits {
         let problem = Problem::CountTooLarge { what: what.into(), declared, bytes };

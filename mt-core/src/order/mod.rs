@@ -79,7 +79,7 @@ impl Order {
         self.needs.targets().len()
     }
 
-    /// What `m` needs directly, ascending; the first is its parent in the discovery forest.
+    /// What `m` needs directly, ascending.
     #[inline]
     pub fn needs(&self, m: NodeId) -> &[NodeId] {
         self.needs.row(m)
@@ -89,19 +89,6 @@ impl Order {
     #[inline]
     pub fn dependents(&self, m: NodeId) -> &[NodeId] {
         self.dependents.row(m)
-    }
-
-    /// The node under which `m` is discovered: the lowest in rank of those that it needs. `None` for roots.
-    ///
-    /// The lowest is the next modification over the same patch, so bounds grow least along it.
-    #[inline]
-    pub fn parent(&self, m: NodeId) -> Option<NodeId> {
-        self.needs(m).first().copied()
-    }
-
-    /// The nodes that are discovered under `m`.
-    pub fn children(&self, m: NodeId) -> impl Iterator<Item = NodeId> + '_ {
-        self.dependents(m).iter().copied().filter(move |&child| self.parent(child) == Some(m))
     }
 
     /// The nodes that need nothing.

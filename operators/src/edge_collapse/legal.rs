@@ -11,9 +11,9 @@ pub(super) fn link_condition(
     complex: &Complex<3>,
     [u, v]: [VertexId; 2],
     on_boundary: [bool; 2],
+    coherent: bool,
     scratch: &mut Vec<VertexId>,
 ) -> Result<(), Refusal> {
-    ring(complex, u, scratch);
     let mut shared = [VertexId::NONE; 2];
     let mut count = 0;
     for (slot, i) in complex.star(u) {
@@ -29,7 +29,14 @@ pub(super) fn link_condition(
     if count == 2 && on_boundary == [true, true] {
         return Err(Refusal::Pinch);
     }
-    if common_neighbours(complex, u, v, scratch) != count {
+    // Around an inner vertex of a coherently oriented mesh each neighbour comes first in one triangle.
+    let common = if coherent && on_boundary == [false, false] {
+        common_followers(complex, u, v, scratch)
+    } else {
+        ring(complex, u, scratch);
+        common_neighbours(complex, u, v, scratch)
+    };
+    if common != count {
         return Err(Refusal::Link);
     }
     let closes = match (count, shared) {
@@ -68,6 +75,14 @@ fn common_neighbours(complex: &Complex<3>, u: VertexId, v: VertexId, ring_of_u: 
         }
     }
     count
+}
+
+/// How many vertices follow both `u` and `v` in a triangle.
+fn common_followers(complex: &Complex<3>, u: VertexId, v: VertexId, scratch: &mut Vec<VertexId>) -> usize {
+    let followers = |w: VertexId| complex.star(w).map(|(slot, i)| complex.cell(slot)[(i + 1) % 3]);
+    scratch.clear();
+    scratch.extend(followers(u));
+    followers(v).filter(|w| scratch.contains(w)).count()
 }
 
 fn has_triangle(complex: &Complex<3>, u: VertexId, a: VertexId, b: VertexId) -> bool {

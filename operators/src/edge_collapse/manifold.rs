@@ -3,45 +3,57 @@
 use mt_core::analysis::Unfit;
 use mt_core::{Complex, Slot, VertexId};
 
-/// An edge of a manifold: its ends ascending, and its one or two triangles.
+/// An edge of a manifold.
 pub(super) struct ManifoldEdge {
+    /// Its ends, ascending.
     pub(super) ends: [VertexId; 2],
-    pub(super) slots: [Option<Slot>; 2],
+    /// One of its triangles.
+    pub(super) slot: Slot,
+    /// Whether it has no other.
+    pub(super) on_boundary: bool,
+    /// Whether its triangles pass it in opposite directions; also true on the boundary.
+    pub(super) coherent: bool,
 }
 
-/// All edges, or what is in the way: edges with more than two triangles, vertices with more than one umbrella.
-/// O(triangles log triangles).
+/// All edges by their lower ends, or what is in the way: edges with more than two triangles, vertices with more than one
+/// umbrella. O(triangles × degree).
 pub(super) fn check(complex: &Complex<3>) -> Result<Vec<ManifoldEdge>, Unfit> {
-    let mut sides: Vec<([VertexId; 2], Slot)> = Vec::with_capacity(3 * complex.cell_count());
-    for (slot, cell) in complex.cells() {
-        for i in 0..3 {
-            let (u, v) = (cell[i], cell[(i + 1) % 3]);
-            sides.push(([u.min(v), u.max(v)], slot));
-        }
-    }
-    sides.sort_unstable();
-    let mut edges = Vec::with_capacity(sides.len() / 2 + 1);
-    let mut bad_edges = Vec::new();
-    for run in sides.chunk_by(|a, b| a.0 == b.0) {
-        if run.len() > 2 {
-            bad_edges.push(run[0].0);
-        }
-        edges.push(ManifoldEdge { ends: run[0].0, slots: [Some(run[0].1), run.get(1).map(|r| r.1)] });
-    }
-    let on_bad_edge = |v: VertexId| bad_edges.iter().any(|edge| edge.contains(&v));
-    let mut bad_vertices = Vec::new();
-    let mut walk = Vec::new();
+    let mut edges = Vec::with_capacity(3 * complex.cell_count() / 2 + 16);
+    let (mut bad_edges, mut bad_vertices) = (Vec::new(), Vec::new());
+    let (mut sides, mut walk) = (Vec::new(), Vec::new());
     for v in (0..complex.vertex_count()).map(VertexId::new).filter(|&v| complex.has_star(v)) {
-        if !one_umbrella(complex, v, &mut walk) && !on_bad_edge(v) {
+        sides_above(complex, v, &mut sides);
+        for run in sides.chunk_by(|a, b| a.0 == b.0) {
+            let ends = [v, run[0].0];
+            if run.len() > 2 {
+                bad_edges.push(ends);
+            }
+            let coherent = run.len() == 1 || run[0].1 != run[1].1;
+            edges.push(ManifoldEdge { ends, slot: run[0].2, on_boundary: run.len() == 1, coherent });
+        }
+        if !one_umbrella(complex, v, &mut walk) {
             bad_vertices.push(v);
         }
     }
+    bad_vertices.retain(|v| !bad_edges.iter().any(|edge| edge.contains(v)));
     if bad_edges.is_empty() && bad_vertices.is_empty() {
         return Ok(edges);
     }
     let edge_places = places(bad_edges.iter().map(|[u, v]| format!("{u}-{v}")), bad_edges.len());
     let vertex_places = places(bad_vertices.iter().map(VertexId::to_string), bad_vertices.len());
     Err(Unfit::NonManifold { edges: bad_edges.len(), edge_places, vertices: bad_vertices.len(), vertex_places })
+}
+
+/// The edges from `v` to vertices with larger ids, once for each triangle: the other end, whether `v` comes first, and
+/// the triangle's slot; sorted, and written over `out`.
+fn sides_above(complex: &Complex<3>, v: VertexId, out: &mut Vec<(VertexId, bool, Slot)>) {
+    out.clear();
+    for (slot, i) in complex.star(v) {
+        let cell = complex.cell(slot);
+        let both = [(cell[(i + 1) % 3], true, slot), (cell[(i + 2) % 3], false, slot)];
+        out.extend(both.into_iter().filter(|side| side.0 > v));
+    }
+    out.sort_unstable();
 }
 
 fn places(names: impl Iterator<Item = String>, count: usize) -> String {

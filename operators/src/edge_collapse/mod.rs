@@ -69,6 +69,8 @@ pub struct Edge {
 pub struct Aux {
     quadrics: Vec<Quadric>,
     on_boundary: Vec<bool>,
+    /// Whether the triangles of every inner edge pass it in opposite directions; collapses keep that.
+    coherent: bool,
     stamps: Vec<u32>,
 }
 
@@ -86,17 +88,21 @@ impl Operator<3> for EdgeCollapse {
     fn prepare(&self, draft: &Draft<3>, sites: &mut Vec<Edge>) -> Result<Aux, Unfit> {
         let edges = manifold::check(&draft.complex)?;
         let vertices = draft.positions.len();
-        let mut aux =
-            Aux { quadrics: vec![Quadric::default(); vertices], on_boundary: vec![false; vertices], stamps: vec![0; vertices] };
+        let mut aux = Aux {
+            quadrics: vec![Quadric::default(); vertices],
+            on_boundary: vec![false; vertices],
+            coherent: edges.iter().all(|edge| edge.coherent),
+            stamps: vec![0; vertices],
+        };
         for (_, cell) in draft.complex.cells() {
             let quadric = Quadric::of_triangle(cell.map(|v| draft.positions[v.index()].as_dvec3()));
             for v in cell {
                 aux.quadrics[v.index()] += quadric;
             }
         }
-        for edge in edges.iter().filter(|edge| edge.slots[1].is_none()) {
+        for edge in edges.iter().filter(|edge| edge.on_boundary) {
             let ends = edge.ends.map(|v| draft.positions[v.index()].as_dvec3());
-            let cell = draft.complex.cell(edge.slots[0].expect("an edge has a triangle"));
+            let cell = draft.complex.cell(edge.slot);
             let upright = area_vector(cell.map(|v| draft.positions[v.index()].as_dvec3()));
             let quadric = Quadric::of_boundary_edge(ends[0], ends[1], upright, self.boundary_weight);
             for v in edge.ends {
@@ -124,7 +130,7 @@ impl Operator<3> for EdgeCollapse {
         if self.boundary == BoundaryRule::Locked && boundary == [true, true] {
             return Err(Refusal::Boundary);
         }
-        legal::link_condition(&draft.complex, [site.a, site.b], boundary, &mut plan.scratch)?;
+        legal::link_condition(&draft.complex, [site.a, site.b], boundary, aux.coherent, &mut plan.scratch)?;
         let quadric = aux.quadrics[site.a.index()] + aux.quadrics[site.b.index()];
         let first = self.target(draft, aux, site, &quadric);
         let mut refusal = Ok(());

@@ -76,7 +76,13 @@ impl<'a> Buffers<'a> {
     }
 
     /// Decodes all values of an accessor; zeros where it has no buffer of its own (then it is sparse).
-    fn values<T: Clone>(&mut self, accessor: &Accessor, size: usize, place: Place, decode: impl Fn(&[u8]) -> T) -> Result<Vec<T>, Refusal> {
+    fn values<T: Clone>(
+        &mut self,
+        accessor: &Accessor,
+        size: usize,
+        place: Place,
+        decode: impl Fn(&[u8]) -> T,
+    ) -> Result<Vec<T>, Refusal> {
         let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
         match accessor.buffer_view {
             Some(view) => {
@@ -91,7 +97,13 @@ impl<'a> Buffers<'a> {
         }
     }
 
-    fn sparse<T: Clone>(&mut self, sparse: &Sparse, size: usize, place: Place, decode: impl Fn(&[u8]) -> T) -> Result<Vec<(u32, T)>, Refusal> {
+    fn sparse<T: Clone>(
+        &mut self,
+        sparse: &Sparse,
+        size: usize,
+        place: Place,
+        decode: impl Fn(&[u8]) -> T,
+    ) -> Result<Vec<(u32, T)>, Refusal> {
         let Checked::Valid(component) = sparse.indices.component_type else {
             return Err(Refusal::malformed(place, "sparse indices of an unknown type"));
         };
@@ -123,13 +135,20 @@ impl<'a> Buffers<'a> {
         let view_start = json.byte_offset.map_or(0, |offset| offset.0);
         let outside = || Refusal::malformed(place, format!("its {count} values reach outside of bufferView {view}"));
         if stride < size {
-            return Err(Refusal::malformed(Place::Item("bufferView", view), format!("a stride of {stride} bytes for values of {size}")));
+            return Err(Refusal::malformed(
+                Place::Item("bufferView", view),
+                format!("a stride of {stride} bytes for values of {size}"),
+            ));
         }
-        let view_end = view_start.checked_add(json.byte_length.0).filter(|end| *end <= available).ok_or_else(outside)?;
+        let view_end =
+            view_start.checked_add(json.byte_length.0).filter(|end| *end <= available).ok_or_else(outside)?;
         let start = view_start.checked_add(offset).ok_or_else(outside)?;
         let span = match count {
             0 => 0,
-            _ => (count - 1).checked_mul(stride as u64).and_then(|span| span.checked_add(size as u64)).ok_or_else(outside)?,
+            _ => (count - 1)
+                .checked_mul(stride as u64)
+                .and_then(|span| span.checked_add(size as u64))
+                .ok_or_else(outside)?,
         };
         start.checked_add(span).filter(|end| *end <= view_end).ok_or_else(outside)?;
         Ok(Layout { buffer, start: start as usize, stride, count: count as usize })
@@ -145,7 +164,9 @@ impl<'a> Buffers<'a> {
                 Some(uri) if uri.starts_with("data:") => container::decode_data_uri(uri).map(Cow::Owned),
                 Some(uri) => match self.same_uri(uri) {
                     // One file under many buffers is held once: buffers are then views of the first.
-                    Some(_) => return Err(Refusal::malformed(Place::Item("buffer", index), "two buffers share one file")),
+                    Some(_) => {
+                        return Err(Refusal::malformed(Place::Item("buffer", index), "two buffers share one file"));
+                    }
                     None => (self.resolve)(&container::decode_percent(uri)).map(Cow::Owned),
                 },
             };

@@ -26,11 +26,16 @@ const TRIANGLES_PER_BYTE: usize = 4;
 
 pub(super) fn read(bytes: &[u8], resolve: &Resolve<'_>) -> Result<Soup, Refusal> {
     let Container { json, binary } = container::split(bytes)?;
-    let root: Root = gltf::json::deserialize::from_slice(json).map_err(|error| {
-        Refusal::malformed(Place::Line(error.line()), format!("the JSON is not glTF: {error}"))
-    })?;
+    let root: Root = gltf::json::deserialize::from_slice(json)
+        .map_err(|error| Refusal::malformed(Place::Line(error.line()), format!("the JSON is not glTF: {error}")))?;
     refuse_extensions(&root)?;
-    let mut reader = Reader { buffers: Buffers::new(&root, binary, resolve), root: &root, soup: Soup::default(), other_modes: 0, file_bytes: bytes.len() };
+    let mut reader = Reader {
+        buffers: Buffers::new(&root, binary, resolve),
+        root: &root,
+        soup: Soup::default(),
+        other_modes: 0,
+        file_bytes: bytes.len(),
+    };
     for (node, world) in placed_nodes(&root)? {
         reader.read_node(node, world)?;
     }
@@ -45,7 +50,8 @@ pub(super) fn read(bytes: &[u8], resolve: &Resolve<'_>) -> Result<Soup, Refusal>
 
 /// Required extensions that say nothing about where triangles are.
 fn harmless(extension: &str) -> bool {
-    const PREFIXES: [&str; 6] = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_", "KHR_xmp"];
+    const PREFIXES: [&str; 6] =
+        ["KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_", "KHR_xmp"];
     extension == "KHR_mesh_quantization" || PREFIXES.iter().any(|prefix| extension.starts_with(prefix))
 }
 
@@ -58,7 +64,8 @@ fn refuse_extensions(root: &Root) -> Result<(), Refusal> {
 
 fn note_ignored(root: &Root, soup: &mut Soup) {
     let morphs = root.meshes.iter().flat_map(|mesh| &mesh.primitives).filter(|p| p.targets.is_some()).count();
-    let ignored = [(root.skins.len(), "skins"), (morphs, "primitives' morph targets"), (root.animations.len(), "animations")];
+    let ignored =
+        [(root.skins.len(), "skins"), (morphs, "primitives' morph targets"), (root.animations.len(), "animations")];
     for (count, what) in ignored.into_iter().filter(|ignored| ignored.0 > 0) {
         soup.notes.push(format!("{count} {what} ignored: the mesh is in its rest pose"));
     }
@@ -78,7 +85,10 @@ fn placed_nodes(root: &Root) -> Result<Vec<(usize, Affine3A)>, Refusal> {
     while let Some((index, parent)) = stack.pop() {
         let node = root.nodes.get(index).ok_or_else(|| missing("node", index))?;
         if std::mem::replace(&mut seen[index], true) {
-            return Err(Refusal::malformed(Place::Item("node", index), "the node has two parents or is its own ancestor"));
+            return Err(Refusal::malformed(
+                Place::Item("node", index),
+                "the node has two parents or is its own ancestor",
+            ));
         }
         let world = parent * local_transform(node);
         placed.push((index, world));
@@ -136,7 +146,12 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn read_primitive(&mut self, primitive: &Primitive, world: Affine3A, placed: &mut FxHashMap<usize, (u32, usize)>) -> Result<(), Refusal> {
+    fn read_primitive(
+        &mut self,
+        primitive: &Primitive,
+        world: Affine3A,
+        placed: &mut FxHashMap<usize, (u32, usize)>,
+    ) -> Result<(), Refusal> {
         let mode = match &primitive.mode {
             Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => *mode,
             _ => {
@@ -209,7 +224,8 @@ impl Reader<'_> {
 
     /// Refuses what instancing makes of a small file when it no longer is in proportion.
     fn check_size(&self) -> Result<(), Refusal> {
-        let limit = FREE_TRIANGLES.saturating_add(TRIANGLES_PER_BYTE.saturating_mul(self.file_bytes + self.buffers.loaded_bytes()));
+        let limit = FREE_TRIANGLES
+            .saturating_add(TRIANGLES_PER_BYTE.saturating_mul(self.file_bytes + self.buffers.loaded_bytes()));
         if self.soup.triangles.len().max(self.soup.positions.len()) > limit {
             let what = format!("its instances unfold to more than {limit} triangles or vertices");
             return Err(Refusal::new(Place::File, Problem::TooLarge(what)));

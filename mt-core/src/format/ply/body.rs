@@ -29,7 +29,13 @@ pub(super) trait Source {
     fn packed_positions(&mut self, element: &Element, axes: [usize; 3], count: usize) -> Option<Vec<Vec3>>;
 
     /// Reads one row: numbers go to `keep` with their property, the items of the wanted list to `items`.
-    fn row(&mut self, element: &Element, keep: &mut impl FnMut(usize, f64), items: &mut Vec<i64>, wanted: Option<usize>) -> Result<(), Refusal> {
+    fn row(
+        &mut self,
+        element: &Element,
+        keep: &mut impl FnMut(usize, f64),
+        items: &mut Vec<i64>,
+        wanted: Option<usize>,
+    ) -> Result<(), Refusal> {
         for (index, property) in element.properties.iter().enumerate() {
             match property.kind {
                 Kind::Scalar(scalar) => keep(index, self.number(scalar)?),
@@ -37,7 +43,10 @@ pub(super) trait Source {
                     let place = self.place_of_list();
                     let count = self.number(count)?;
                     if count < 0.0 || count > self.remaining() as f64 {
-                        return Err(Refusal::malformed(place.unwrap_or_else(|| self.place()), format!("a list of {count} items")));
+                        return Err(Refusal::malformed(
+                            place.unwrap_or_else(|| self.place()),
+                            format!("a list of {count} items"),
+                        ));
                     }
                     let count = count as usize;
                     if wanted == Some(index) {

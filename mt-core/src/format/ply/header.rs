@@ -87,7 +87,9 @@ fn parse_lines(bytes: &[u8], header: &mut Option<Encoding>, elements: &mut Vec<E
     while at < bytes.len() {
         let start = at;
         let length = bytes[at..].iter().position(|b| matches!(b, b'\n' | b'\r'));
-        let Some(length) = length.or((bytes[at..].trim_ascii() == b"end_header").then_some(bytes.len() - at)) else { break };
+        let Some(length) = length.or((bytes[at..].trim_ascii() == b"end_header").then_some(bytes.len() - at)) else {
+            break;
+        };
         let line = &bytes[at..at + length];
         at += length + if bytes[at + length..].starts_with(b"\r\n") { 2 } else { 1 };
         if line.trim_ascii() == b"end_header" {

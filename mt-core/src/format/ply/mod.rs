@@ -36,7 +36,13 @@ fn read_elements(header: &Header, source: &mut impl Source, soup: &mut Soup) -> 
     // Faces may come before vertices, so their indices are checked when everything is read.
     let vertex_count = header.elements.iter().find(|e| e.name == "vertex").map_or(0, |e| e.count);
     for element in &header.elements {
-        let count = check_count(source.place(), &format!("{} elements", element.name), element.count, source.least_size(element), source.remaining())?;
+        let count = check_count(
+            source.place(),
+            &format!("{} elements", element.name),
+            element.count,
+            source.least_size(element),
+            source.remaining(),
+        )?;
         match element.name.as_str() {
             "vertex" => read_vertices(element, count, source, soup)?,
             "face" => read_faces(element, count, source, soup, vertex_count as usize)?,
@@ -83,7 +89,8 @@ fn read_vertices(element: &Element, count: usize, source: &mut impl Source, soup
 fn index_list(element: &Element) -> Result<usize, Refusal> {
     let wanted = |name: &str| matches!(name, "vertex_indices" | "vertex_index");
     let found = element.properties.iter().position(|p| wanted(&p.name) && matches!(p.kind, Kind::List(..)));
-    let missing = || Refusal::malformed(Place::File, format!("{} elements have no list \"vertex_indices\"", element.name));
+    let missing =
+        || Refusal::malformed(Place::File, format!("{} elements have no list \"vertex_indices\"", element.name));
     let list = found.ok_or_else(missing)?;
     match element.properties[list].kind {
         Kind::List(_, item) if item.is_float() => {
@@ -93,7 +100,13 @@ fn index_list(element: &Element) -> Result<usize, Refusal> {
     }
 }
 
-fn read_faces(element: &Element, count: usize, source: &mut impl Source, soup: &mut Soup, vertices: usize) -> Result<(), Refusal> {
+fn read_faces(
+    element: &Element,
+    count: usize,
+    source: &mut impl Source,
+    soup: &mut Soup,
+    vertices: usize,
+) -> Result<(), Refusal> {
     let list = index_list(element)?;
     soup.triangles.reserve(count.min(source.remaining() / 6));
     let (mut items, mut corners) = (Vec::new(), Vec::new());
@@ -109,7 +122,13 @@ fn read_faces(element: &Element, count: usize, source: &mut impl Source, soup: &
 }
 
 /// Strips of triangles; -1 starts a new one, and every second triangle turns the other way.
-fn read_strips(element: &Element, count: usize, source: &mut impl Source, soup: &mut Soup, vertices: usize) -> Result<(), Refusal> {
+fn read_strips(
+    element: &Element,
+    count: usize,
+    source: &mut impl Source,
+    soup: &mut Soup,
+    vertices: usize,
+) -> Result<(), Refusal> {
     let list = index_list(element)?;
     let mut items = Vec::new();
     for _ in 0..count {
