@@ -13,12 +13,22 @@ pub type Slot = u32;
 
 const NONE: u32 = u32::MAX;
 
+/// A cell, and of each of its corners the next corner (as `slot * N + i`) at the same vertex. Side by side, because a
+/// walk around a vertex reads both.
+#[derive(Clone, Copy, Debug)]
+struct Place<const N: usize> {
+    corners: Cell<N>,
+    next: [u32; N],
+}
+
+impl<const N: usize> Place<N> {
+    const FREE: Self = Self { corners: [VertexId::NONE; N], next: [NONE; N] };
+}
+
 /// Cells of `N` corners with the star of each vertex.
 #[derive(Clone, Debug)]
 pub struct Complex<const N: usize> {
-    cells: Vec<Cell<N>>,
-    /// Of each corner: the next corner (as `slot * N + i`) at the same vertex.
-    next: Vec<[u32; N]>,
+    cells: Vec<Place<N>>,
     /// Of each vertex: its first corner.
     first: Vec<u32>,
     free: Vec<Slot>,
@@ -30,8 +40,7 @@ impl<const N: usize> Complex<N> {
     /// Requires: corners below `vertex_count`, and different within a cell.
     pub fn new(vertex_count: usize, cells: &[Cell<N>]) -> Self {
         let mut complex = Self {
-            cells: cells.to_vec(),
-            next: vec![[NONE; N]; cells.len()],
+            cells: cells.iter().map(|&corners| Place { corners, ..Place::FREE }).collect(),
             first: vec![NONE; vertex_count],
             free: Vec::new(),
         };
@@ -61,17 +70,18 @@ impl<const N: usize> Complex<N> {
     /// The corners of the cell in `slot`; all [`VertexId::NONE`] where there is none.
     #[inline]
     pub fn cell(&self, slot: Slot) -> &Cell<N> {
-        &self.cells[slot as usize]
+        &self.cells[slot as usize].corners
     }
 
     /// Whether a cell is in `slot`.
     pub fn is_live(&self, slot: Slot) -> bool {
-        !self.cells[slot as usize][0].is_none()
+        !self.cell(slot)[0].is_none()
     }
 
     /// The live cells and their slots.
     pub fn cells(&self) -> impl Iterator<Item = (Slot, &Cell<N>)> {
-        self.cells.iter().enumerate().filter(|(_, cell)| !cell[0].is_none()).map(|(slot, cell)| (slot as u32, cell))
+        let live = self.cells.iter().enumerate().filter(|(_, place)| !place.corners[0].is_none());
+        live.map(|(slot, place)| (slot as u32, &place.corners))
     }
 
     /// Whether any cell uses `v`.
@@ -151,8 +161,7 @@ impl<const N: usize> Complex<N> {
 
     fn insert(&mut self, cell: &Cell<N>) -> Slot {
         let slot = self.free.pop().unwrap_or_else(|| {
-            self.cells.push([VertexId::NONE; N]);
-            self.next.push([NONE; N]);
+            self.cells.push(Place::FREE);
             self.cells.len() as u32 - 1
         });
         self.replace(slot, cell, &[]);
@@ -160,13 +169,13 @@ impl<const N: usize> Complex<N> {
     }
 
     fn replace(&mut self, slot: Slot, new: &Cell<N>, retired: &[VertexId]) {
-        let old = self.cells[slot as usize];
+        let old = *self.cell(slot);
         for i in 0..N {
             if old[i] != new[i] && !old[i].is_none() && !retired.contains(&old[i]) {
                 self.unlink_corner(slot, i);
             }
         }
-        self.cells[slot as usize] = *new;
+        self.cells[slot as usize].corners = *new;
         for i in 0..N {
             if old[i] != new[i] && !new[i].is_none() {
                 self.link_corner(slot, i);
@@ -175,22 +184,22 @@ impl<const N: usize> Complex<N> {
     }
 
     fn link_corner(&mut self, slot: Slot, i: usize) {
-        let v = self.cells[slot as usize][i].index();
-        self.next[slot as usize][i] = self.first[v];
+        let v = self.cell(slot)[i].index();
+        self.cells[slot as usize].next[i] = self.first[v];
         self.first[v] = slot * N as u32 + i as u32;
     }
 
     fn unlink_corner(&mut self, slot: Slot, i: usize) {
         let corner = slot * N as u32 + i as u32;
-        let v = self.cells[slot as usize][i].index();
-        let after = self.next[slot as usize][i];
+        let v = self.cell(slot)[i].index();
+        let after = self.cells[slot as usize].next[i];
         if self.first[v] == corner {
             self.first[v] = after;
             return;
         }
         let mut at = self.first[v];
         loop {
-            let next = &mut self.next[at as usize / N][at as usize % N];
+            let next = &mut self.cells[at as usize / N].next[at as usize % N];
             if *next == corner {
                 *next = after;
                 return;
@@ -216,7 +225,7 @@ impl<const N: usize> Iterator for Star<'_, N> {
             return None;
         }
         let (slot, i) = (self.corner / N as u32, self.corner as usize % N);
-        self.corner = self.complex.next[slot as usize][i];
+        self.corner = self.complex.cells[slot as usize].next[i];
         Some((slot, i))
     }
 }

@@ -71,6 +71,7 @@ pub struct Aux {
     on_boundary: Vec<bool>,
     /// Whether the triangles of every inner edge pass it in opposite directions; collapses keep that.
     coherent: bool,
+    /// How often each vertex has changed; empty where changes make new vertices.
     stamps: Vec<u32>,
 }
 
@@ -92,7 +93,7 @@ impl Operator<3> for EdgeCollapse {
             quadrics: vec![Quadric::default(); vertices],
             on_boundary: vec![false; vertices],
             coherent: edges.iter().all(|edge| edge.coherent),
-            stamps: vec![0; vertices],
+            stamps: if self.placement == Placement::End { vec![0; vertices] } else { Vec::new() },
         };
         for (_, cell) in draft.complex.cells() {
             let quadric = Quadric::of_triangle(cell.map(|v| draft.positions[v.index()].as_dvec3()));
@@ -153,7 +154,7 @@ impl Operator<3> for EdgeCollapse {
             [a, b] => {
                 aux.quadrics.push(aux.quadrics[a.index()] + aux.quadrics[b.index()]);
                 aux.on_boundary.push(aux.on_boundary[a.index()] || aux.on_boundary[b.index()]);
-                aux.stamps.push(0);
+                aux.stamps.extend((!aux.stamps.is_empty()).then_some(0));
                 VertexId::new(aux.quadrics.len() - 1)
             }
             [gone] => {
@@ -236,14 +237,16 @@ fn optimal([a, b]: [DVec3; 2], quadric: &Quadric) -> DVec3 {
 
 impl Aux {
     fn is_stale(&self, draft: &Draft<3>, site: Edge) -> bool {
-        !draft.complex.has_star(site.a)
-            || !draft.complex.has_star(site.b)
-            || self.stamps[site.a.index()].wrapping_add(self.stamps[site.b.index()]) != site.stamp
+        !draft.complex.has_star(site.a) || !draft.complex.has_star(site.b) || self.stamp(site.a, site.b) != site.stamp
+    }
+
+    #[inline]
+    fn stamp(&self, u: VertexId, v: VertexId) -> u32 {
+        if self.stamps.is_empty() { 0 } else { self.stamps[u.index()].wrapping_add(self.stamps[v.index()]) }
     }
 
     fn edge(&self, u: VertexId, v: VertexId) -> Edge {
-        let stamp = self.stamps[u.index()].wrapping_add(self.stamps[v.index()]);
-        Edge { a: u.min(v), b: u.max(v), stamp }
+        Edge { a: u.min(v), b: u.max(v), stamp: self.stamp(u, v) }
     }
 }
 
