@@ -101,8 +101,10 @@ impl Default for Cone {
     }
 }
 
-/// What an axis may be off by after it is put on the grid, in radians; checked by a test.
 const STEPS: f32 = 254.0;
+/// More than an axis can be off by after it is put on the grid, in radians: half a step of 1/127 in two directions, and
+/// rounding.
+const AXIS_ERROR: f32 = 0.0067;
 
 impl Cone {
     /// No normal.
@@ -120,20 +122,20 @@ impl Cone {
     pub fn new(axis: Vec3, angle: f32) -> Self {
         let Some(axis) = axis.try_normalize() else { return Self::ALL };
         let grid = (axis * (127.0 / axis.abs().max_element())).round().to_array().map(|x| x as i8);
-        let moved = Cone { axis: grid, angle: 0 }.get().map_or(0.0, |(a, _)| a.angle_between(axis));
-        let steps = ((angle + moved + 1e-3) * STEPS / std::f32::consts::PI).ceil();
+        let steps = ((angle + AXIS_ERROR) * (STEPS / std::f32::consts::PI)).ceil();
         if steps < STEPS { Cone { axis: grid, angle: steps as u8 } } else { Self::ALL }
     }
 
     /// The cone of the normals of these vectors (twice the area of a triangle along its normal); zero ones count as
-    /// all, since a triangle without area has no normal to speak of.
-    pub fn of_vectors(vectors: &[Vec3]) -> Self {
+    /// all, since a triangle without area has no normal to speak of. Makes unit vectors of them.
+    pub fn of_vectors(vectors: &mut [Vec3]) -> Self {
         if vectors.is_empty() {
             return Self::EMPTY;
         }
-        let sum: Vec3 = vectors.iter().map(|v| v.normalize_or_zero()).sum();
+        vectors.iter_mut().for_each(|v| *v = v.normalize_or_zero());
+        let sum: Vec3 = vectors.iter().sum();
         let Some(axis) = sum.try_normalize().filter(|_| !vectors.contains(&Vec3::ZERO)) else { return Self::ALL };
-        let least = vectors.iter().map(|v| v.normalize_or_zero().dot(axis)).fold(1.0, f32::min);
+        let least = vectors.iter().map(|v| v.dot(axis)).fold(1.0, f32::min);
         Self::new(axis, least.clamp(-1.0, 1.0).acos())
     }
 
@@ -211,7 +213,7 @@ mod tests {
 
         #[test]
         fn cones_hold_their_normals(normals in prop::collection::vec(direction(), 1..12)) {
-            let cone = Cone::of_vectors(&normals);
+            let cone = Cone::of_vectors(&mut normals.clone());
             let (axis, angle) = cone.get().unwrap();
             for n in normals { prop_assert!(axis.angle_between(n) <= angle, "{:?} {:?}", cone, n); }
         }

@@ -41,8 +41,9 @@ impl<const N: usize> Draft<N> {
 /// A site is a place where the operator may act, such as an edge. A site whose price changes must become another site
 /// (carry a stamp in it), so that what waits in the queue is either current or stale and never half right.
 pub trait Operator<const N: usize> {
-    /// A place to act. Ties in price are broken by its order, so results do not depend on chance.
-    type Site: Copy + Ord;
+    /// A place to act. Sites of nearly the same price take turns in the sequence in which they are named, so name
+    /// them in a fixed one.
+    type Site: Copy;
     /// What the operator keeps beside the mesh: quadrics, boundary flags, stamps.
     type Aux;
 

@@ -40,8 +40,8 @@ pub(super) fn link_condition(
         return Err(Refusal::Link);
     }
     let closes = match (count, shared) {
-        // Both ends share an edge of their links: the last tetrahedron.
-        (2, [a, b]) => has_triangle(complex, u, a, b) && has_triangle(complex, v, a, b),
+        // Both ends share an edge of their links: the last tetrahedron. Then both have three triangles.
+        (2, [a, b]) => complex.star(u).nth(3).is_none() && has_triangle(complex, u, a, b) && has_triangle(complex, v, a, b),
         // The cone's edge: a triangle on its own.
         (1, [apex, _]) => complex.edge_degree(u, apex) == 1 && complex.edge_degree(v, apex) == 1,
         _ => true,

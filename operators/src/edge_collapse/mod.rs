@@ -166,15 +166,19 @@ impl Operator<3> for EdgeCollapse {
             }
             _ => unreachable!("a collapse retires one vertex or two"),
         };
+        // Around an inner vertex of a coherently oriented mesh each neighbour comes first in one triangle.
+        let each_once = aux.coherent && !aux.on_boundary[merged.index()];
         let from = again.len();
         for (slot, i) in draft.complex.star(merged) {
             let cell = draft.complex.cell(slot);
-            for other in [cell[(i + 1) % 3], cell[(i + 2) % 3]] {
-                let edge = aux.edge(merged, other);
-                if !again[from..].contains(&edge) {
-                    again.push(edge);
-                }
+            again.push(aux.edge(merged, cell[(i + 1) % 3]));
+            if !each_once {
+                again.push(aux.edge(merged, cell[(i + 2) % 3]));
             }
+        }
+        if !each_once {
+            again[from..].sort_unstable();
+            again.dedup();
         }
     }
 }
