@@ -37,7 +37,11 @@ pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
 pub fn load_mesh(path: &Path, options: &LoadOptions) -> Result<(Mesh<3>, LoadReport), FileError> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     let Some(format) = Format::from_extension(ending) else {
-        let what = if ending == "mt" { "is a model, not a mesh" } else { "the ending tells no format that can be read (obj, ply, stl, off, gltf, glb)" };
+        let what = if ending == "mt" {
+            "is a model, not a mesh"
+        } else {
+            "the ending tells no format that can be read (obj, ply, stl, off, gltf, glb)"
+        };
         return Err(if path.exists() { FileError::new(path, what) } else { FileError::new(path, "no such file") });
     };
     let bytes = read(path)?;
@@ -60,7 +64,9 @@ pub fn load_model(path: &Path) -> Result<(Model, Meta), FileError> {
     let wrong = |error| FileError::new(path, error);
     let meta = container::read_meta(&bytes).map_err(wrong)?;
     match meta.corners {
-        4 => container::read::<4>(&bytes).map(|(model, meta)| (Model::Tetrahedra(Box::new(model)), meta)).map_err(wrong),
+        4 => {
+            container::read::<4>(&bytes).map(|(model, meta)| (Model::Tetrahedra(Box::new(model)), meta)).map_err(wrong)
+        }
         _ => container::read::<3>(&bytes).map(|(model, meta)| (Model::Triangles(Box::new(model)), meta)).map_err(wrong),
     }
 }
@@ -69,7 +75,9 @@ pub fn load_model(path: &Path) -> Result<(Model, Meta), FileError> {
 pub fn load_triangles(path: &Path) -> Result<(Explicit<3>, Meta), FileError> {
     match load_model(path)? {
         (Model::Triangles(model), meta) => Ok((*model, meta)),
-        (Model::Tetrahedra(_), _) => Err(FileError::new(path, "is a model of tetrahedra; this command wants triangles")),
+        (Model::Tetrahedra(_), _) => {
+            Err(FileError::new(path, "is a model of tetrahedra; this command wants triangles"))
+        }
     }
 }
 

@@ -20,7 +20,8 @@ impl Progress {
     /// A bar of `length` steps that hears of Ctrl-C.
     pub fn new(what: &'static str, length: u64, interrupted: &Arc<AtomicBool>) -> Self {
         let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::hidden());
-        let style = ProgressStyle::with_template("{msg:12} [{bar:40}] {percent:>3} %  {eta} left").expect("the template is constant");
+        let style = ProgressStyle::with_template("{msg:12} [{bar:40}] {percent:>3} %  {eta} left")
+            .expect("the template is constant");
         bar.set_style(style.progress_chars("=> "));
         bar.set_message(what);
         Self { bar, begun: Instant::now(), shown: false, interrupted: interrupted.clone() }

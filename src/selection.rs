@@ -4,8 +4,8 @@ use crate::files::{self, FileError};
 use clap::{Args, ValueEnum};
 use mt_core::{Camera, Explicit, MultiTessellation};
 use selective::{
-    ErrorBelow, Focus, InRegion, Limits, Outcome, Region, ScreenError, State, Strategy, UniformError, Wish, adapt, extract,
-    extract_exact,
+    ErrorBelow, Focus, InRegion, Limits, Outcome, Region, ScreenError, State, Strategy, UniformError, Wish, adapt,
+    extract, extract_exact,
 };
 use std::path::PathBuf;
 use std::time::Duration;
@@ -115,7 +115,11 @@ impl Selection {
     }
 
     /// Extracts from a model.
-    pub fn run(&self, model: &Explicit<3>, camera: Option<&Camera>) -> Result<(State<3, Explicit<3>, ()>, Outcome), SelectionError> {
+    pub fn run(
+        &self,
+        model: &Explicit<3>,
+        camera: Option<&Camera>,
+    ) -> Result<(State<3, Explicit<3>, ()>, Outcome), SelectionError> {
         let wish = self.wish(camera)?;
         let limits = Limits { cells: self.cells, time: self.time_ms.map(Duration::from_millis) };
         if let Some(per_cell) = self.per_cell {

@@ -34,7 +34,11 @@ fn a_round_trip_is_bit_for_bit() {
 fn every_truncation_is_refused() {
     let bytes = small();
     for length in 0..bytes.len() {
-        assert!(container::read::<3>(&bytes[..length]).is_err(), "{length} of {} bytes are taken for a model", bytes.len());
+        assert!(
+            container::read::<3>(&bytes[..length]).is_err(),
+            "{length} of {} bytes are taken for a model",
+            bytes.len()
+        );
     }
     let mut longer = bytes;
     longer.push(0);

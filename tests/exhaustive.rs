@@ -6,8 +6,8 @@ use mt_core::model::{MultiTessellation, cells_of, mesh_of};
 use mt_core::{Explicit, Front, Mesh, NodeId, check};
 use operators::EdgeCollapse;
 use selective::{
-    CellCriterion, CellView, ErrorBelow, Focus, Limits, Region, State, Strategy, UniformError, adapt, approach, extract, extract_exact,
-    wish_closure,
+    CellCriterion, CellView, ErrorBelow, Focus, Limits, Region, State, Strategy, UniformError, adapt, approach,
+    extract, extract_exact, wish_closure,
 };
 
 /// Models of at most 18 modifications, from small meshes of several kinds.
@@ -85,7 +85,8 @@ fn extract_and_adapt_are_least_among_all_closed_sets() {
             let asked = |front: &&Front| {
                 (0..model.len()).all(|m| model.bound(NodeId(m)).error <= error_max || front.is_refined(NodeId(m)))
             };
-            let least = sets.iter().filter(asked).min_by_key(|front| front.len()).expect("the full set satisfies every wish");
+            let least =
+                sets.iter().filter(asked).min_by_key(|front| front.len()).expect("the full set satisfies every wish");
             for strategy in [Strategy::TopDown, Strategy::Priority] {
                 let (state, _) = extract(&model, &criterion, &Limits::NONE, strategy, ());
                 assert_eq!(state.front(), least, "{name} {strategy:?} at {error_max}");
@@ -108,10 +109,13 @@ fn exact_extraction_is_least_among_all_meshes_that_satisfy_the_criterion() {
         let box_of = |size: f32| Region { low: glam::Vec3::splat(-0.1), high: glam::Vec3::splat(size) };
         let errors: Vec<f32> = (0..model.len()).map(|m| model.bound(NodeId(m)).error * 0.999).collect();
         for &error_max in &errors {
-            for (region, focus) in [(None, Focus::Loose), (Some(box_of(1.0)), Focus::Loose), (Some(box_of(0.6)), Focus::Strict)] {
+            for (region, focus) in
+                [(None, Focus::Loose), (Some(box_of(1.0)), Focus::Loose), (Some(box_of(0.6)), Focus::Strict)]
+            {
                 let criterion = ErrorBelow { error_max, region, focus };
                 let (state, _) = extract_exact(&model, &criterion, ());
-                let least = sets.iter().filter(|front| satisfies(&model, front, &criterion)).min_by_key(|front| front.len());
+                let least =
+                    sets.iter().filter(|front| satisfies(&model, front, &criterion)).min_by_key(|front| front.len());
                 assert_eq!(state.front(), least.expect("the input satisfies everything"), "{name} {criterion:?}");
             }
         }
@@ -122,7 +126,9 @@ fn exact_extraction_is_least_among_all_meshes_that_satisfy_the_criterion() {
 fn satisfies(model: &Explicit<3>, front: &Front, criterion: &ErrorBelow) -> bool {
     let cells = check::set_algebra(model, front).expect("the front is closed");
     cells.into_iter().all(|cell| {
-        let Some(m) = (0..model.len()).map(NodeId).find(|&m| model.coarse_side(m).any(|c| c == cell)) else { return true };
+        let Some(m) = (0..model.len()).map(NodeId).find(|&m| model.coarse_side(m).any(|c| c == cell)) else {
+            return true;
+        };
         let corners = model.corners(cell).map(|v| model.positions()[v.index()]);
         criterion.holds(&CellView { corners, error: model.bound(m).error })
     })

@@ -95,14 +95,17 @@ fn crack_freeness_sees_a_planar_fold() {
     let domain = check::conformity(&model).unwrap();
     assert!(domain.content.is_some());
     let mut positions = flat.positions.clone();
-    let inner = (0..positions.len()).find(|&v| check::crack_free(&flat.cells, &positions, &domain).is_ok() && v == 3 * 7 + 3).unwrap();
+    let inner = (0..positions.len())
+        .find(|&v| check::crack_free(&flat.cells, &positions, &domain).is_ok() && v == 3 * 7 + 3)
+        .unwrap();
     positions[inner].x += 50.0;
     assert_eq!(check::crack_free(&flat.cells, &positions, &domain).unwrap_err().law, Law::CrackFree);
 }
 
 #[test]
 fn saturation_sees_a_bound_that_shrank() {
-    for change in [(|b: &mut Bound| b.radius *= 0.5) as fn(&mut Bound), |b| b.error *= 0.5, |b| b.center.x += b.radius] {
+    for change in [(|b: &mut Bound| b.radius *= 0.5) as fn(&mut Bound), |b| b.error *= 0.5, |b| b.center.x += b.radius]
+    {
         let model = broken(|parts| change(parts.bounds.last_mut().unwrap()));
         assert_eq!(verdict(&model).map(|v| v.0), Some(Law::Saturation));
     }
@@ -290,7 +293,8 @@ impl Operator<3> for WithoutLinkCondition {
         Ok(())
     }
     fn price(&self, draft: &Draft<3>, (): &(), (u, v): Self::Site) -> Option<f64> {
-        (draft.complex.edge_degree(u, v) > 0).then(|| f64::from(draft.positions[u.index()].distance(draft.positions[v.index()])))
+        (draft.complex.edge_degree(u, v) > 0)
+            .then(|| f64::from(draft.positions[u.index()].distance(draft.positions[v.index()])))
     }
     fn plan(&self, draft: &Draft<3>, (): &(), (u, v): Self::Site, plan: &mut Plan<3>) -> Result<(), Refusal> {
         let mut dying = Vec::new();

@@ -38,7 +38,13 @@ proptest! {
 #[test]
 fn what_cannot_be_is_refused_with_its_line() {
     let square = Mesh::from_indices(
-        vec![glam::Vec3::ZERO, glam::Vec3::X, glam::Vec3::X + glam::Vec3::Y, glam::Vec3::Y, glam::Vec3::new(0.5, 0.5, 0.0)],
+        vec![
+            glam::Vec3::ZERO,
+            glam::Vec3::X,
+            glam::Vec3::X + glam::Vec3::Y,
+            glam::Vec3::Y,
+            glam::Vec3::new(0.5, 0.5, 0.0),
+        ],
         &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
     );
     let head = r#"{"history":1,"corners":3,"vertices":5,"cells":4,"error_kind":"measured"}"#;

@@ -75,7 +75,12 @@ fn closed_surfaces_reach_a_handful_of_triangles() {
         (generate::torus(24, 16), 40),
     ] {
         let model = model_of(&mesh, &EdgeCollapse::FULL);
-        assert!(model.base_cells().len() <= most, "{} triangles are left of {}", model.base_cells().len(), mesh.cell_count());
+        assert!(
+            model.base_cells().len() <= most,
+            "{} triangles are left of {}",
+            model.base_cells().len(),
+            mesh.cell_count()
+        );
     }
 }
 
@@ -84,7 +89,8 @@ fn nothing_is_left_to_do_on_the_smallest_meshes() {
     for mesh in [generate::tetrahedron(), generate::triangle()] {
         let model = model_of(&mesh, &EdgeCollapse::FULL);
         assert_eq!((model.len(), model.base_cells().len()), (0, mesh.cell_count()));
-        verify::explicit(&model, &verify::Options { fronts: 3, seed: 1 }, &mut |_| true).expect("laws hold without nodes");
+        verify::explicit(&model, &verify::Options { fronts: 3, seed: 1 }, &mut |_| true)
+            .expect("laws hold without nodes");
     }
     let model = model_of(&generate::octahedron(), &EdgeCollapse::FULL);
     assert_eq!(model.base_cells().len(), 4);
@@ -114,7 +120,11 @@ fn measured_errors_bound_the_distance_of_input_vertices() {
     let stated = (0..model.len()).map(|m| model.bound(mt_core::NodeId(m)).error).fold(0.0, f32::max);
     let base = mt_core::model::mesh_of(&model, &model.base());
     for p in &mesh.positions {
-        let nearest = base.cells.iter().map(|cell| distance(*p, cell.map(|v| base.positions[v.index()]))).fold(f64::INFINITY, f64::min);
+        let nearest = base
+            .cells
+            .iter()
+            .map(|cell| distance(*p, cell.map(|v| base.positions[v.index()])))
+            .fold(f64::INFINITY, f64::min);
         assert!(nearest <= f64::from(stated), "{nearest} > {stated}");
     }
 }

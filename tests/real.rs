@@ -10,7 +10,9 @@ use std::path::Path;
 fn load(path: &Path, non_manifold: NonManifold) -> Mesh<3> {
     let bytes = std::fs::read(path).expect("the file is there");
     let format = Format::from_extension(path.extension().and_then(|e| e.to_str()).unwrap_or("")).expect("a mesh");
-    read(format, &bytes, &LoadOptions { non_manifold, ..LoadOptions::default() }, &|_| None).expect("the file is good").0
+    read(format, &bytes, &LoadOptions { non_manifold, ..LoadOptions::default() }, &|_| None)
+        .expect("the file is good")
+        .0
 }
 
 fn fronts() -> u32 {
@@ -26,7 +28,12 @@ fn laws_hold(names: &[&str], operator: &EdgeCollapse) {
         let options = verify::Options { fronts: fronts(), seed: 2 };
         let summary = verify::explicit(&model, &options, &mut |_| true);
         let summary = summary.unwrap_or_else(|found| panic!("{}: {}", path.display(), found.breach));
-        println!("{}: {} checks in {:.1} s", path.display(), summary.values().sum::<u64>(), begun.elapsed().as_secs_f64());
+        println!(
+            "{}: {} checks in {:.1} s",
+            path.display(),
+            summary.values().sum::<u64>(),
+            begun.elapsed().as_secs_f64()
+        );
     }
 }
 

@@ -2,7 +2,9 @@
 
 use mt_core::analysis::{Options, simplify};
 use mt_core::model::mesh_of;
-use mt_core::{CellId, ErrorKind, Explicit, Mesh, MultiTessellation, Recorder, VertexId, check, container, generate, history};
+use mt_core::{
+    CellId, ErrorKind, Explicit, Mesh, MultiTessellation, Recorder, VertexId, check, container, generate, history,
+};
 use mt_tests::VertexIntoNeighbour;
 use multi_tessellation::verify;
 use selective::{Limits, Strategy, UniformError, extract};
@@ -20,20 +22,25 @@ fn every_law_holds_on_a_box_of_tetrahedra() {
     check::ends(&model, &mesh).unwrap();
     let domain = check::conformity(&model).unwrap();
     assert!(domain.manifold && domain.oriented && domain.content.is_some());
-    verify::explicit(&model, &verify::Options { fronts: 60, seed: 3 }, &mut |_| true).unwrap_or_else(|found| panic!("{}", found.breach));
+    verify::explicit(&model, &verify::Options { fronts: 60, seed: 3 }, &mut |_| true)
+        .unwrap_or_else(|found| panic!("{}", found.breach));
 }
 
 #[test]
 fn a_history_recorded_by_hand() {
     // Four tetrahedra around an inner vertex lose it.
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.2, 0.2, 0.2]];
-    let mesh = Mesh::from_indices(corners.map(glam::Vec3::from).to_vec(), &[[4, 1, 2, 3], [0, 4, 2, 3], [0, 1, 4, 3], [0, 1, 2, 4]]);
+    let mesh = Mesh::from_indices(
+        corners.map(glam::Vec3::from).to_vec(),
+        &[[4, 1, 2, 3], [0, 4, 2, 3], [0, 1, 4, 3], [0, 1, 2, 4]],
+    );
     let mut recorder = Recorder::new(&mesh).unwrap();
     (0..4).for_each(|cell| recorder.kill(CellId(cell)).unwrap());
     recorder.make([0, 1, 2, 3].map(VertexId)).unwrap();
     recorder.end(0.5).unwrap();
     let model = recorder.finish(ErrorKind::Measured).unwrap();
-    verify::explicit(&model, &verify::Options { fronts: 4, seed: 1 }, &mut |_| true).unwrap_or_else(|found| panic!("{}", found.breach));
+    verify::explicit(&model, &verify::Options { fronts: 4, seed: 1 }, &mut |_| true)
+        .unwrap_or_else(|found| panic!("{}", found.breach));
     let (state, _) = extract(&model, &UniformError { error_max: 0.6 }, &Limits::NONE, Strategy::TopDown, ());
     assert_eq!(mesh_of(&model, &state.view.mesh).cell_count(), 1);
 }

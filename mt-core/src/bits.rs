@@ -90,7 +90,10 @@ impl Bits {
 }
 
 fn ascending(words: impl Iterator<Item = u64>) -> impl Iterator<Item = u32> {
-    words.enumerate().filter(|(_, word)| *word != 0).flat_map(|(i, word)| ones(word).map(move |bit| i as u32 * 64 + bit))
+    words
+        .enumerate()
+        .filter(|(_, word)| *word != 0)
+        .flat_map(|(i, word)| ones(word).map(move |bit| i as u32 * 64 + bit))
 }
 
 /// Positions of the set bits of a word, lowest first.

@@ -78,7 +78,8 @@ impl Camera {
     /// Refuses what cannot be looked through.
     pub fn check(&self) -> Result<(), CameraError> {
         let lens = [self.fov_y_degrees, self.near, self.far];
-        if !(self.eye.is_finite() && self.target.is_finite() && self.up.is_finite()) || lens.iter().any(|x| !x.is_finite())
+        if !(self.eye.is_finite() && self.target.is_finite() && self.up.is_finite())
+            || lens.iter().any(|x| !x.is_finite())
         {
             return Err(CameraError::NotFinite);
         }
@@ -87,7 +88,8 @@ impl Camera {
             return Err(CameraError::NoDirection);
         }
         let sizes = 1..=16_384;
-        let good_lens = self.fov_y_degrees > 0.0 && self.fov_y_degrees < 180.0 && self.near > 0.0 && self.far > self.near;
+        let good_lens =
+            self.fov_y_degrees > 0.0 && self.fov_y_degrees < 180.0 && self.near > 0.0 && self.far > self.near;
         if !good_lens || !sizes.contains(&self.width_px) || !sizes.contains(&self.height_px) {
             return Err(CameraError::Lens);
         }

@@ -23,8 +23,7 @@ pub fn facet<const N: usize>(cell: &Cell<N>, i: usize) -> (Facet<N>, bool) {
     let mut corners = [VertexId::NONE; N];
     let mut length = 0;
     let mut positive = i.is_multiple_of(2);
-    for (k, &v) in cell.iter().enumerate().filter(|(k, _)| *k != i) {
-        debug_assert!(k < N);
+    for &v in cell[..i].iter().chain(&cell[i + 1..]) {
         let mut at = length;
         while at > 0 && corners[at - 1] > v {
             corners[at] = corners[at - 1];

@@ -94,7 +94,8 @@ pub fn write<const N: usize>(model: &Explicit<N>, out: &mut impl Write) -> std::
             let p = model.positions()[v as usize];
             (VertexId(v), p.x, p.y, p.z)
         });
-        let line = Line { kill: model.fine_side(m).to_vec(), vertices: made.collect(), make, error: model.bound(m).error };
+        let line =
+            Line { kill: model.fine_side(m).to_vec(), vertices: made.collect(), make, error: model.bound(m).error };
         vertices = vertices.max(top);
         out.write_all(b"\n")?;
         serde_json::to_writer(&mut *out, &line)?;
@@ -113,8 +114,12 @@ pub fn read<const N: usize>(mesh: &Mesh<N>, text: impl BufRead) -> Result<Explic
             continue;
         }
         if head.is_none() {
-            let told = serde_json::from_str(&line).map_err(|error| at(format!("the first line must say what the history is of: {error}")))?;
-            head = Some(check_head::<N>(told, mesh).map_err(|error| if let ReadError::Line { what, .. } = error { at(what) } else { error })?);
+            let told = serde_json::from_str(&line)
+                .map_err(|error| at(format!("the first line must say what the history is of: {error}")))?;
+            head = Some(
+                check_head::<N>(told, mesh)
+                    .map_err(|error| if let ReadError::Line { what, .. } = error { at(what) } else { error })?,
+            );
             continue;
         }
         let line: Line = serde_json::from_str(&line).map_err(|error| at(error.to_string()))?;
@@ -129,7 +134,10 @@ pub fn read<const N: usize>(mesh: &Mesh<N>, text: impl BufRead) -> Result<Explic
 
 fn check_head<const N: usize>(head: Head, mesh: &Mesh<N>) -> Result<Head, ReadError> {
     if head.history != 1 {
-        return Err(ReadError::Line { line: 1, what: format!("version {} of the history text is not known, only 1", head.history) });
+        return Err(ReadError::Line {
+            line: 1,
+            what: format!("version {} of the history text is not known, only 1", head.history),
+        });
     }
     let wanted = (head.corners as usize, head.vertices as usize, head.cells as usize);
     let has = (N, mesh.positions.len(), mesh.cells.len());
@@ -162,9 +170,8 @@ fn tell<const N: usize>(recorder: &mut Recorder<N>, line: &Line) -> Result<(), T
     for cell in &line.make {
         let next = recorder.cell_count();
         let Some((&id, corners)) = cell.split_first() else { return Err(Told::Wrong("a made cell is empty".into())) };
-        let corners: [u32; N] = corners
-            .try_into()
-            .map_err(|_| Told::Wrong(format!("cell {id} has {} corners, not {N}", corners.len())))?;
+        let corners: [u32; N] =
+            corners.try_into().map_err(|_| Told::Wrong(format!("cell {id} has {} corners, not {N}", corners.len())))?;
         if id as usize != next {
             return Err(Told::Wrong(format!("cell {id} is made, but the next id is {next}")));
         }

@@ -1,6 +1,6 @@
 //! The Multi-Tessellation as a trait: what synthesis asks of a model, and what a view of it is.
 //!
-//! After [DeFlorianiTutorial2002]: a base mesh, conforming modifications and a
+//! After `[DeFlorianiTutorial2002]`: a base mesh, conforming modifications and a
 //! partial order. A model is immutable; all run-time state of a camera is its view.
 
 use crate::cell::Cell;
@@ -126,7 +126,7 @@ pub trait MultiTessellation<const N: usize>: Sync {
     fn obstacles(&self, m: NodeId, view: &View<Self::Mesh>, out: &mut Vec<NodeId>) -> Coarsen;
 
     /// Replaces the coarse side of `m` by its fine side. Requires: no prerequisites, and `m` not refined.
-    /// The front is the caller's to change: see [`refine`].
+    /// The front is the caller's to change: see [`take`].
     fn refine(&self, m: NodeId, mesh: &mut Self::Mesh, sink: &mut impl Sink<N>);
     /// Replaces the fine side of `m` by its coarse side. Requires: obstacles says Now, and `m` refined.
     fn coarsen(&self, m: NodeId, mesh: &mut Self::Mesh, sink: &mut impl Sink<N>);

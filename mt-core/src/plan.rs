@@ -40,10 +40,7 @@ impl<const N: usize> Plan<N> {
 
     /// Both sides as cells of the complex that the plan was made for. O(patch).
     pub fn patch(&self, complex: &Complex<N>) -> Patch<N> {
-        Patch {
-            fine: self.kills.iter().map(|&slot| *complex.cell(slot)).collect(),
-            coarse: self.makes.clone(),
-        }
+        Patch { fine: self.kills.iter().map(|&slot| *complex.cell(slot)).collect(), coarse: self.makes.clone() }
     }
 }
 

@@ -1,6 +1,6 @@
 //! How far two triangle meshes are from one another: samples of each against the exact nearest point of the other.
 //!
-//! After Metro [CignoniRocchiniScopigno1998]; the samples are stratified by area, and the vertices, where
+//! After Metro `[CignoniRocchiniScopigno1998]`; the samples are stratified by area, and the vertices, where
 //! simplified meshes stray furthest, are measured as well.
 
 use glam::DVec3;

@@ -64,15 +64,26 @@ fn compare(name: &str, mesh: &Mesh<3>) {
     let extracted = mesh_of(&model, &state.view.mesh);
     let (ours, theirs) = (median(ours), median(theirs));
     println!("{name}: {} triangles", mesh.cell_count());
-    println!("  ours, to {:>8} and all recorded: {:>6.0} thousand triangles a CPU second", model.base_cells().len(), ours / 1e3);
-    println!("  meshopt, to {:>5}, nothing kept:  {:>6.0} thousand triangles a CPU second", simplified.cell_count(), theirs / 1e3);
+    println!(
+        "  ours, to {:>8} and all recorded: {:>6.0} thousand triangles a CPU second",
+        model.base_cells().len(),
+        ours / 1e3
+    );
+    println!(
+        "  meshopt, to {:>5}, nothing kept:  {:>6.0} thousand triangles a CPU second",
+        simplified.cell_count(),
+        theirs / 1e3
+    );
     println!("  ratio {:.2}", ours / theirs);
     let Ok(surface) = Surface::new(mesh) else { return };
     for (who, other) in [("ours", &extracted), ("meshopt", &simplified)] {
         let Ok(other_surface) = Surface::new(other) else { continue };
         let apart = other_surface.distance(&surface, Sampling::default());
         let (rms, maximum) = (apart.rms() / mesh.diagonal(), apart.maximum() / mesh.diagonal());
-        println!("  {who:8} at {:>6} triangles: RMS {rms:.2e}, maximum {maximum:.2e} of the diagonal", other.cell_count());
+        println!(
+            "  {who:8} at {:>6} triangles: RMS {rms:.2e}, maximum {maximum:.2e} of the diagonal",
+            other.cell_count()
+        );
     }
 }
 

@@ -94,7 +94,9 @@ pub fn extract_exact<const N: usize, S: Sink<N>>(
         if !state.view.mesh.contains(cell.0) {
             continue;
         }
-        let Some(m) = model.refined_by(cell).filter(|&m| !criterion.holds(&cell_view(model, cell, m))) else { continue };
+        let Some(m) = model.refined_by(cell).filter(|&m| !criterion.holds(&cell_view(model, cell, m))) else {
+            continue;
+        };
         let mark = state.steps.len();
         state.force(model, m);
         asked += 1;

@@ -60,7 +60,11 @@ pub(crate) fn expand<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
 }
 
 /// What hangs under newly refined nodes has to be judged, whether they were asked for or forced.
-fn open_children_since<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(model: &M, state: &mut State<N, M, S>, mark: usize) {
+fn open_children_since<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
+    model: &M,
+    state: &mut State<N, M, S>,
+    mark: usize,
+) {
     for step in &state.steps[mark..] {
         model.children(step.node, &mut state.scratch.open);
     }
@@ -153,7 +157,11 @@ fn force_within<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
 }
 
 /// Cells won by forcing `m`, where every node of its chain says so.
-fn chain_gain<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(model: &M, m: NodeId, state: &mut State<N, M, S>) -> Option<i64> {
+fn chain_gain<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
+    model: &M,
+    m: NodeId,
+    state: &mut State<N, M, S>,
+) -> Option<i64> {
     let chain = &mut state.scratch.chain;
     chain.push(m);
     let mut at = 0;

@@ -1,6 +1,6 @@
 //! Selective refinement: criteria say where a mesh is too coarse, `extract` and `adapt` make it fine enough there.
 //!
-//! After [DeFlorianiTutorial2002]. `extract` starts from the base mesh; `adapt` from the last frame (contraction, then
+//! After `[DeFlorianiTutorial2002]`. `extract` starts from the base mesh; `adapt` from the last frame (contraction, then
 //! expansion). Both end in the same front: the least closed set that holds every node the criterion asks for. The
 //! engine never sees a triangle, and never an operator.
 //!

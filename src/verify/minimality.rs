@@ -4,7 +4,9 @@ use glam::Vec3;
 use mt_core::check::{Breach, Law, Random};
 use mt_core::model::{MultiTessellation, View};
 use mt_core::{Bound, Camera, NodeId};
-use selective::{Criterion, InRegion, Limits, Region, ScreenError, State, Strategy, UniformError, Wish, adapt, extract, wish_closure};
+use selective::{
+    Criterion, InRegion, Limits, Region, ScreenError, State, Strategy, UniformError, Wish, adapt, extract, wish_closure,
+};
 
 /// A criterion drawn at random: uniform, in a region, or on a screen.
 fn draw<const N: usize>(model: &impl MultiTessellation<N, Bound = Bound>, random: &mut Random) -> Wish {
@@ -41,7 +43,11 @@ pub fn minimality<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
         let (state, outcome) = extract(model, &criterion, &Limits::NONE, strategy, ());
         if *state.front() != wish || !outcome.complete {
             let extra = state.front().difference(&wish).next();
-            return Err(breach(format!("extract ({strategy:?}) refines {} nodes, the least closure has {}; first extra: {extra:?}", state.front().len(), wish.len())));
+            return Err(breach(format!(
+                "extract ({strategy:?}) refines {} nodes, the least closure has {}; first extra: {extra:?}",
+                state.front().len(),
+                wish.len()
+            )));
         }
     }
     let mut state = State::new(model, ());
@@ -49,7 +55,11 @@ pub fn minimality<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
     adapt(model, &criterion, &Limits::NONE, &mut state);
     if *state.front() != wish {
         let (extra, missing) = (state.front().difference(&wish).next(), wish.difference(state.front()).next());
-        return Err(breach(format!("adapt ends in {} nodes, the least closure has {}; extra: {extra:?}, missing: {missing:?}", state.front().len(), wish.len())));
+        return Err(breach(format!(
+            "adapt ends in {} nodes, the least closure has {}; extra: {extra:?}, missing: {missing:?}",
+            state.front().len(),
+            wish.len()
+        )));
     }
     budget(model, &criterion, state, random)
 }
@@ -71,7 +81,10 @@ fn budget<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
     }
     let rested = adapt(model, criterion, &limits, &mut state);
     if rested.refined + rested.coarsened > 0 {
-        return breach(format!("under a budget of {cells_max} cells a still criterion moves {} nodes", rested.refined + rested.coarsened));
+        return breach(format!(
+            "under a budget of {cells_max} cells a still criterion moves {} nodes",
+            rested.refined + rested.coarsened
+        ));
     }
     Ok(())
 }

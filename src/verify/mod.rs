@@ -97,7 +97,12 @@ pub(crate) struct Laws<'a, const N: usize> {
 
 impl<const N: usize> Laws<'_, N> {
     /// Every law at the front of `view`, which is left as it was.
-    pub(crate) fn at(&self, view: &mut View<mt_core::explicit::Alive>, random: &mut Random, summary: &mut Summary) -> Result<(), Breach> {
+    pub(crate) fn at(
+        &self,
+        view: &mut View<mt_core::explicit::Alive>,
+        random: &mut Random,
+        summary: &mut Summary,
+    ) -> Result<(), Breach> {
         let model = self.model;
         let other = check::random_front(self.order, random);
         check::closure(self.order, &view.front, &other)?;
@@ -130,7 +135,12 @@ fn counterexample_of_whole<const N: usize>(model: &Explicit<N>, breach: Breach) 
     finish(model, breach, front.clone(), front.len())
 }
 
-pub(crate) fn finish<const N: usize>(model: &Explicit<N>, breach: Breach, front: Front, found_at: u32) -> Counterexample<N> {
+pub(crate) fn finish<const N: usize>(
+    model: &Explicit<N>,
+    breach: Breach,
+    front: Front,
+    found_at: u32,
+) -> Counterexample<N> {
     let mut state = State::new(model, ());
     approach(model, &front, None, &mut state);
     let patch = breach.node.filter(|m| m.0 < model.len()).map(|m| (m, model.patch(m)));

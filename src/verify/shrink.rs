@@ -10,7 +10,12 @@ use std::time::{Duration, Instant};
 const TIME_MAX: Duration = Duration::from_secs(30);
 
 /// The smallest front found at which the law of `breach` is broken, with the same random choices.
-pub(super) fn counterexample<const N: usize>(laws: &Laws<'_, N>, breach: Breach, found: &Front, case: &Random) -> Counterexample<N> {
+pub(super) fn counterexample<const N: usize>(
+    laws: &Laws<'_, N>,
+    breach: Breach,
+    found: &Front,
+    case: &Random,
+) -> Counterexample<N> {
     let deadline = Instant::now() + TIME_MAX;
     let (mut front, mut breach) = (found.clone(), breach);
     let mut chunk = front.len().div_ceil(2).max(1);

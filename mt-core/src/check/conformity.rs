@@ -46,14 +46,27 @@ pub fn conformity<const N: usize>(model: &Explicit<N>) -> Result<Domain<N>, Brea
         for facet in &coarse {
             let inside = patch.coarse.iter().flat_map(facets).filter(|(f, _)| f == facet).count() as i32;
             let all = count.get(facet).copied().unwrap_or(0);
-            ensure!(all == inside, Law::Conformity, m, "node {m} opens facet {:?}, which {} other cells share", names(facet), all - inside);
+            ensure!(
+                all == inside,
+                Law::Conformity,
+                m,
+                "node {m} opens facet {:?}, which {} other cells share",
+                names(facet),
+                all - inside
+            );
         }
         for (facet, _) in patch.coarse.iter().flat_map(facets) {
             *count.entry(facet).or_default() -= 1;
         }
         for facet in &fine {
             let others = count.get(facet).copied().unwrap_or(0);
-            ensure!(others == 0, Law::Conformity, m, "node {m} lays boundary facet {:?} onto {others} other cells", names(facet));
+            ensure!(
+                others == 0,
+                Law::Conformity,
+                m,
+                "node {m} lays boundary facet {:?} onto {others} other cells",
+                names(facet)
+            );
             domain.boundary.insert(*facet);
         }
         for (facet, _) in patch.fine.iter().flat_map(facets) {
@@ -66,10 +79,17 @@ pub fn conformity<const N: usize>(model: &Explicit<N>) -> Result<Domain<N>, Brea
 }
 
 /// A closed input has no boundary at any level, however its modifications conform.
-fn closed_domain_has_no_boundary<const N: usize>(reference: &crate::Mesh<N>, base: &FxHashSet<Facet<N>>) -> Result<(), Breach> {
+fn closed_domain_has_no_boundary<const N: usize>(
+    reference: &crate::Mesh<N>,
+    base: &FxHashSet<Facet<N>>,
+) -> Result<(), Breach> {
     let closed = super::mesh::boundary_of(&reference.cells).is_empty();
     match base.iter().next().filter(|_| closed) {
-        Some(facet) => Err(Breach::new(Law::Conformity, None, format!("the input is closed, but facet {:?} of the base mesh is open", names(facet)))),
+        Some(facet) => Err(Breach::new(
+            Law::Conformity,
+            None,
+            format!("the input is closed, but facet {:?} of the base mesh is open", names(facet)),
+        )),
         None => Ok(()),
     }
 }
@@ -113,12 +133,22 @@ pub fn saturation<const N: usize>(model: &Explicit<N>) -> Result<(), Breach> {
         let patch = model.patch(m);
         for v in patch.fine.iter().chain(&patch.coarse).flatten() {
             let apart = model.positions()[v.index()].as_dvec3().distance(bound.center.as_dvec3());
-            ensure!(apart <= f64::from(bound.radius), Law::Saturation, m, "vertex {v} of node {m} is outside its sphere");
+            ensure!(
+                apart <= f64::from(bound.radius),
+                Law::Saturation,
+                m,
+                "vertex {v} of node {m} is outside its sphere"
+            );
         }
         children.clear();
         model.children(m, &mut children);
         for &child in &children {
-            ensure!(bound.contains(&model.bound(child)), Law::Saturation, m, "the bound of node {m} does not contain that of node {child} under it");
+            ensure!(
+                bound.contains(&model.bound(child)),
+                Law::Saturation,
+                m,
+                "the bound of node {m} does not contain that of node {child} under it"
+            );
         }
     }
     Ok(())

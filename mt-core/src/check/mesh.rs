@@ -15,16 +15,42 @@ pub fn crack_free<const N: usize>(cells: &[Cell<N>], positions: &[Vec3], domain:
     for run in sides.chunk_by(|a, b| a.0 == b.0) {
         let facet = &run[0].0;
         let cracked = run.len() % 2 == 1 && !domain.boundary.contains(facet);
-        ensure!(!cracked, Law::CrackFree, None, "facet {:?} has {} cells, but is not on the boundary", names(facet), run.len());
+        ensure!(
+            !cracked,
+            Law::CrackFree,
+            None,
+            "facet {:?} has {} cells, but is not on the boundary",
+            names(facet),
+            run.len()
+        );
         if domain.manifold {
-            ensure!(run.len() <= 2, Law::CrackFree, None, "facet {:?} has {} cells, but the input is a manifold", names(facet), run.len());
+            ensure!(
+                run.len() <= 2,
+                Law::CrackFree,
+                None,
+                "facet {:?} has {} cells, but the input is a manifold",
+                names(facet),
+                run.len()
+            );
         }
         if domain.oriented && run.len() == 2 {
-            ensure!(run[0].1 != run[1].1, Law::CrackFree, None, "the two cells of facet {:?} disagree in orientation", names(facet));
+            ensure!(
+                run[0].1 != run[1].1,
+                Law::CrackFree,
+                None,
+                "the two cells of facet {:?} disagree in orientation",
+                names(facet)
+            );
         }
     }
-    if domain.manifold && let Some(v) = second_umbrella(cells, positions.len()) {
-        return Err(Breach::new(Law::CrackFree, None, format!("the cells around vertex {v} fall into more than one umbrella")));
+    if domain.manifold
+        && let Some(v) = second_umbrella(cells, positions.len())
+    {
+        return Err(Breach::new(
+            Law::CrackFree,
+            None,
+            format!("the cells around vertex {v} fall into more than one umbrella"),
+        ));
     }
     embedded(cells, positions, domain)
 }
@@ -122,7 +148,9 @@ fn second_umbrella<const N: usize>(cells: &[Cell<N>], vertex_count: usize) -> Op
             *at += 1;
         }
     }
-    (0..vertex_count).find(|&v| !is_one_chain(&mut opposite[start[v] as usize..start[v + 1] as usize])).map(VertexId::new)
+    (0..vertex_count)
+        .find(|&v| !is_one_chain(&mut opposite[start[v] as usize..start[v + 1] as usize]))
+        .map(VertexId::new)
 }
 
 /// Whether the edges form one connected piece; sorts them as it goes.
@@ -131,13 +159,15 @@ fn is_one_chain(edges: &mut [[VertexId; 2]]) -> bool {
     let mut at = 0;
     while at < reached.min(edges.len()) {
         let [a, b] = edges[at];
-        for other in reached..edges.len() {
+        at += 1;
+        let mut other = reached;
+        while other < edges.len() {
             if edges[other].contains(&a) || edges[other].contains(&b) {
                 edges.swap(reached, other);
                 reached += 1;
             }
+            other += 1;
         }
-        at += 1;
     }
     reached >= edges.len()
 }

@@ -9,9 +9,9 @@ mod mesh;
 mod oracle;
 mod steps;
 
+pub use crate::random::Random;
 pub use conformity::{Domain, cells, conformity, saturation};
 pub use fronts::random_front;
-pub use crate::random::Random;
 pub use mesh::crack_free;
 pub use oracle::{front_determines_mesh, set_algebra};
 pub use steps::{closure, ends, inverse, order, order_of};
@@ -85,7 +85,9 @@ impl Breach {
 /// Fails with a breach unless the condition holds.
 macro_rules! ensure {
     ($condition:expr, $law:expr, $node:expr, $($what:tt)+) => {
-        if !$condition {
+        // A NaN holds nothing, so the condition is judged as it is written and never turned around.
+        let holds: bool = $condition;
+        if !holds {
             return Err($crate::check::Breach::new($law, $node, format!($($what)+)));
         }
     };

@@ -46,7 +46,11 @@ pub fn front_determines_mesh<const N: usize, M: MultiTessellation<N>>(
         unmet.clear();
         model.prerequisites(m, &other, &mut unmet);
         if let Some(stranger) = unmet.iter().find(|need| !view.front.is_refined(**need)) {
-            return Err(Breach::new(Law::Closure, m, format!("node {m} asks for node {stranger}, which its closed front lacks")));
+            return Err(Breach::new(
+                Law::Closure,
+                m,
+                format!("node {m} asks for node {stranger}, which its closed front lacks"),
+            ));
         }
         if unmet.is_empty() {
             take(model, Step::refine(m), &mut other, &mut ());
@@ -59,6 +63,12 @@ pub fn front_determines_mesh<const N: usize, M: MultiTessellation<N>>(
         }
     }
     let same = other == *view && cells_of(model, &other.mesh) == cells_of(model, &view.mesh);
-    ensure!(same, Law::FrontDeterminesMesh, None, "two ways to one front of {} nodes end in different meshes", view.front.len());
+    ensure!(
+        same,
+        Law::FrontDeterminesMesh,
+        None,
+        "two ways to one front of {} nodes end in different meshes",
+        view.front.len()
+    );
     Ok(())
 }

@@ -46,7 +46,12 @@ pub fn inverse<const N: usize, M: MultiTessellation<N>>(
     Ok(())
 }
 
-fn is_legal<const N: usize, M: MultiTessellation<N>>(model: &M, step: Step, view: &View<M::Mesh>, out: &mut Vec<NodeId>) -> bool {
+fn is_legal<const N: usize, M: MultiTessellation<N>>(
+    model: &M,
+    step: Step,
+    view: &View<M::Mesh>,
+    out: &mut Vec<NodeId>,
+) -> bool {
     out.clear();
     if step.refined {
         model.prerequisites(step.node, view, out);
@@ -64,7 +69,14 @@ pub fn ends<const N: usize, M: MultiTessellation<N>>(model: &M, input: &Mesh<N>)
         take(model, Step::refine(m), &mut view, &mut ());
     }
     let cells: Vec<_> = cells_of(model, &view.mesh).into_iter().map(|(_, corners)| corners).collect();
-    ensure!(cells == input.cells, Law::Ends, None, "the full front has {} cells that are not the input's {}", cells.len(), input.cells.len());
+    ensure!(
+        cells == input.cells,
+        Law::Ends,
+        None,
+        "the full front has {} cells that are not the input's {}",
+        cells.len(),
+        input.cells.len()
+    );
     let bits = |p: &glam::Vec3| p.to_array().map(f32::to_bits);
     let same = model.positions().len() >= input.positions.len()
         && model.positions().iter().zip(&input.positions).all(|(a, b)| bits(a) == bits(b));
@@ -72,7 +84,12 @@ pub fn ends<const N: usize, M: MultiTessellation<N>>(model: &M, input: &Mesh<N>)
     for m in (0..model.len()).map(NodeId) {
         take(model, Step::coarsen(m), &mut view, &mut ());
     }
-    ensure!(cells_of(model, &view.mesh) == base, Law::Ends, None, "coarsening everything does not lead back to the base mesh");
+    ensure!(
+        cells_of(model, &view.mesh) == base,
+        Law::Ends,
+        None,
+        "coarsening everything does not lead back to the base mesh"
+    );
     Ok(())
 }
 
@@ -92,12 +109,23 @@ pub fn order<const N: usize, M: MultiTessellation<N>>(
         if view.front.is_refined(m) {
             let answer = model.obstacles(m, view, &mut told);
             let free = !order.dependents(m).iter().any(|&d| view.front.is_refined(d));
-            ensure!((answer == Coarsen::Now) == free, Law::Order, m, "coarsening node {m}: the model says {answer:?}, its order says {}", if free { "now" } else { "not yet" });
+            ensure!(
+                (answer == Coarsen::Now) == free,
+                Law::Order,
+                m,
+                "coarsening node {m}: the model says {answer:?}, its order says {}",
+                if free { "now" } else { "not yet" }
+            );
         } else {
             model.prerequisites(m, view, &mut told);
             told.sort_unstable();
             let unmet: Vec<_> = order.needs(m).iter().copied().filter(|&n| !view.front.is_refined(n)).collect();
-            ensure!(told.is_empty() == unmet.is_empty(), Law::Order, m, "refining node {m}: the model asks for {told:?}, its order for {unmet:?}");
+            ensure!(
+                told.is_empty() == unmet.is_empty(),
+                Law::Order,
+                m,
+                "refining node {m}: the model asks for {told:?}, its order for {unmet:?}"
+            );
         }
     }
     Ok(())
@@ -107,9 +135,18 @@ pub fn order<const N: usize, M: MultiTessellation<N>>(
 pub fn closure(order: &Order, front: &Front, other: &Front) -> Result<(), Breach> {
     let meet = Front::from_nodes(order.len(), front.finest_first().filter(|&m| other.is_refined(m)));
     let join = Front::from_nodes(order.len(), front.finest_first().chain(other.finest_first()));
-    for (what, set) in [("the front", front), ("the other front", other), ("the meet of two fronts", &meet), ("the join of two fronts", &join)] {
+    for (what, set) in [
+        ("the front", front),
+        ("the other front", other),
+        ("the meet of two fronts", &meet),
+        ("the join of two fronts", &join),
+    ] {
         if let Some((m, need)) = order.unmet(set) {
-            return Err(Breach::new(Law::Closure, m, format!("{what} has node {m}, but not node {need}, which it needs")));
+            return Err(Breach::new(
+                Law::Closure,
+                m,
+                format!("{what} has node {m}, but not node {need}, which it needs"),
+            ));
         }
     }
     Ok(())

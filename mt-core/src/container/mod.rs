@@ -64,7 +64,9 @@ pub enum ContainerError {
     #[error("not a .mt file")]
     NotAModel,
     /// Made by a newer version.
-    #[error("format version {0} is newer than {VERSION}, the newest that this program reads; use the program that wrote it")]
+    #[error(
+        "format version {0} is newer than {VERSION}, the newest that this program reads; use the program that wrote it"
+    )]
     Newer(u32),
     /// The end is missing.
     #[error("the file is truncated: {expected} bytes expected, {found} found")]

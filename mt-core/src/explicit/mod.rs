@@ -1,6 +1,6 @@
 //! The explicit model: every cell and every arc is stored, for cells of any dimension and modifications of any kind.
 //!
-//! After [DeFlorianiTutorial2002]. Node `m` is the `m`-th modification of the
+//! After `[DeFlorianiTutorial2002]`. Node `m` is the `m`-th modification of the
 //! analysis, which coarsened; its coarse side is a run of cells, because they were
 //! made together; its fine side is a list. A node needs those whose fine side has
 //! a cell of its coarse side.

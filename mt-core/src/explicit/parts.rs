@@ -101,7 +101,9 @@ impl<const N: usize> Parts<N> {
         if let Some(index) = self.positions.iter().position(bad) {
             return Err(Invalid::NotFinite { what: "vertex", index: index as u32 });
         }
-        let bad = |b: &Bound| !(b.center.is_finite() && b.radius >= 0.0 && b.radius.is_finite() && b.error >= 0.0 && b.error.is_finite());
+        let bad = |b: &Bound| {
+            !(b.center.is_finite() && b.radius >= 0.0 && b.radius.is_finite() && b.error >= 0.0 && b.error.is_finite())
+        };
         if let Some(index) = self.bounds.iter().position(bad) {
             return Err(Invalid::NotFinite { what: "bound", index: index as u32 });
         }
@@ -118,7 +120,13 @@ impl<const N: usize> Parts<N> {
     }
 }
 
-fn check_starts(what: &'static str, starts: &[u32], rows: usize, end: usize, first: Option<u32>) -> Result<(), Invalid> {
+fn check_starts(
+    what: &'static str,
+    starts: &[u32],
+    rows: usize,
+    end: usize,
+    first: Option<u32>,
+) -> Result<(), Invalid> {
     let shape = starts.len() == rows + 1 && starts.is_sorted() && starts.last().map(|&e| e as usize) == Some(end);
     let begins = first.is_none_or(|first| starts.first() == Some(&first));
     if shape && begins { Ok(()) } else { Err(Invalid::Shape(what)) }

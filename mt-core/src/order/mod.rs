@@ -215,7 +215,10 @@ mod tests {
     fn random_needs() -> impl Strategy<Value = Vec<Vec<u32>>> {
         (1u32..150).prop_flat_map(|n| {
             (0..n)
-                .map(|m| proptest::collection::btree_set((m + 1).min(n - 1)..n, 0..4).prop_map(move |s| s.into_iter().filter(|&x| x > m).collect()))
+                .map(|m| {
+                    proptest::collection::btree_set((m + 1).min(n - 1)..n, 0..4)
+                        .prop_map(move |s| s.into_iter().filter(|&x| x > m).collect())
+                })
                 .collect::<Vec<_>>()
         })
     }

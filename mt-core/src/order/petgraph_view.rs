@@ -85,14 +85,14 @@ impl VisitMap<NodeId> for Visited {
     }
 }
 
-impl<'a> IntoNodeIdentifiers for &'a Order {
+impl IntoNodeIdentifiers for &Order {
     type NodeIdentifiers = std::iter::Map<std::ops::Range<u32>, fn(u32) -> NodeId>;
     fn node_identifiers(self) -> Self::NodeIdentifiers {
         (0..self.len()).map(NodeId)
     }
 }
 
-impl<'a> IntoNodeReferences for &'a Order {
+impl IntoNodeReferences for &Order {
     type NodeRef = NodeReference;
     type NodeReferences = std::iter::Map<std::ops::Range<u32>, fn(u32) -> NodeReference>;
     fn node_references(self) -> Self::NodeReferences {

@@ -1,4 +1,4 @@
-//! The quadric error metric of [GarlandHeckbert1997], weighted by area.
+//! The quadric error metric of `[GarlandHeckbert1997]`, weighted by area.
 //!
 //! A quadric is a weighted sum of squared distances to planes. Ours also carries the sum of its weights, so that
 //! `sqrt(value / weight)` is a root mean square distance in model units. Deviation from the paper: planes are weighted
@@ -66,8 +66,7 @@ impl Quadric {
     #[inline]
     pub fn minimum(&self) -> Option<DVec3> {
         let (d, m) = (self.diagonal, self.mixed);
-        let adjugate_diagonal =
-            DVec3::new(d.y * d.z - m.x * m.x, d.x * d.z - m.y * m.y, d.x * d.y - m.z * m.z);
+        let adjugate_diagonal = DVec3::new(d.y * d.z - m.x * m.x, d.x * d.z - m.y * m.y, d.x * d.y - m.z * m.z);
         let adjugate_mixed = DVec3::new(m.y * m.z - d.x * m.x, m.x * m.z - d.y * m.y, m.x * m.y - d.z * m.z);
         let determinant = d.x * adjugate_diagonal.x + m.z * adjugate_mixed.z + m.y * adjugate_mixed.y;
         let scale = d.element_sum();
@@ -94,7 +93,13 @@ impl Quadric {
             let slope = 4.0 * middle - 3.0 * at_a - at_b;
             return a.lerp(b, (-slope / (2.0 * bend)).clamp(0.0, 1.0));
         }
-        if at_a < at_b { a } else if at_b < at_a { b } else { a.lerp(b, 0.5) }
+        if at_a < at_b {
+            a
+        } else if at_b < at_a {
+            b
+        } else {
+            a.lerp(b, 0.5)
+        }
     }
 }
 

@@ -80,7 +80,9 @@ fn query(criterion: &str, subject: &Subject, config: &Config, camera: &Camera, f
             let region = Region { low: at - half, high: at + half };
             Query { criterion: Wish::Region(InRegion { region, error_max: diagonal * 2e-4 }), limits: Limits::NONE }
         }
-        "screen" => Query { criterion: Wish::Screen(Box::new(ScreenError::new(camera, config.error_px))), limits: Limits::NONE },
+        "screen" => {
+            Query { criterion: Wish::Screen(Box::new(ScreenError::new(camera, config.error_px))), limits: Limits::NONE }
+        }
         _ => {
             let cells = (subject.mesh.cell_count() / 10) as u32;
             let limits = Limits { cells: Some(cells), time: None };

@@ -79,7 +79,11 @@ pub enum StudyError {
 }
 
 /// Studies the subjects. `watch` hears what is being done and how much of the whole is, and answers whether to go on.
-pub fn run(subjects: &[Subject], config: &Config, watch: &mut dyn FnMut(&str, f32) -> bool) -> Result<Results, StudyError> {
+pub fn run(
+    subjects: &[Subject],
+    config: &Config,
+    watch: &mut dyn FnMut(&str, f32) -> bool,
+) -> Result<Results, StudyError> {
     let mut results = Results { frames: config.frames, error_px: config.error_px, ..Results::default() };
     let parts = (subjects.len() * config.operators.len() * 3) as f32;
     let mut done = 0.0;
@@ -87,7 +91,11 @@ pub fn run(subjects: &[Subject], config: &Config, watch: &mut dyn FnMut(&str, f3
         for (i, (operator, collapse)) in config.operators.iter().enumerate() {
             let mut step = |what: &str| {
                 done += 1.0;
-                if watch(&format!("{} {operator}: {what}", subject.name), (done - 1.0) / parts) { Ok(()) } else { Err(StudyError::Cancelled) }
+                if watch(&format!("{} {operator}: {what}", subject.name), (done - 1.0) / parts) {
+                    Ok(())
+                } else {
+                    Err(StudyError::Cancelled)
+                }
             };
             step("building")?;
             let model = build(subject, operator, collapse, &mut results)?;
@@ -103,7 +111,12 @@ pub fn run(subjects: &[Subject], config: &Config, watch: &mut dyn FnMut(&str, f3
     Ok(results)
 }
 
-fn build(subject: &Subject, operator: &str, collapse: &EdgeCollapse, results: &mut Results) -> Result<Explicit<3>, StudyError> {
+fn build(
+    subject: &Subject,
+    operator: &str,
+    collapse: &EdgeCollapse,
+    results: &mut Results,
+) -> Result<Explicit<3>, StudyError> {
     let begun = Instant::now();
     let analysis = simplify(&subject.mesh, collapse, &Options::default(), &mut |_| true)
         .map_err(|error| StudyError::Analysis(subject.name.clone(), error))?;

@@ -40,18 +40,28 @@ pub(super) fn draw(
 ) -> Result<(), StudyError> {
     let sized = |camera: Camera| Camera { width_px: size.0, height_px: size.1, ..camera };
     // Nearest to the surface.
-    let Some(&camera) = camera_path(&subject.mesh, config.frames).get(config.frames as usize / 2) else { return Ok(()) };
+    let Some(&camera) = camera_path(&subject.mesh, config.frames).get(config.frames as usize / 2) else {
+        return Ok(());
+    };
     let (low, high) = subject.mesh.bounding_box().unwrap_or_default();
     let (view, _) = extract(model, &ScreenError::new(&camera, config.error_px), &Limits::NONE, Strategy::TopDown, ());
     let seen = mesh_of(model, &view.view.mesh);
     let wire = Look { wireframe: true, ..Look::default() };
     let triangles = seen.cell_count();
     let mut easel = Easel { subject, results };
-    let caption = format!("{}: {triangles} of {} triangles for {} px on the screen, as the camera sees it", subject.name, subject.mesh.cell_count(), config.error_px);
+    let caption = format!(
+        "{}: {triangles} of {} triangles for {} px on the screen, as the camera sees it",
+        subject.name,
+        subject.mesh.cell_count(),
+        config.error_px
+    );
     easel.paint("camera", caption, render::encode(&seen, &wire), sized(camera))?;
     let mut scene = render::encode(&seen, &wire);
     scene.add_frustum(&camera, low, high);
-    let caption = format!("{}: the same mesh from outside, with the camera's frustum; what it does not see is coarse", subject.name);
+    let caption = format!(
+        "{}: the same mesh from outside, with the camera's frustum; what it does not see is coarse",
+        subject.name
+    );
     easel.paint("outside", caption, scene, sized(render::outside(&camera, low, high)))?;
     let tenth = tenth_of(model, &subject.mesh);
     let mesh = mesh_of(model, &tenth.view.mesh);
@@ -59,7 +69,12 @@ pub(super) fn draw(
     let errors = cell_errors(model, &tenth.view.mesh);
     let overlay = Overlay::Error { values: &errors, range: Overlay::range_of(&errors) };
     let caption = format!("{}: error of each triangle at a tenth of the input, in model units", subject.name);
-    easel.paint("error", caption, render::encode(&mesh, &Look { wireframe: true, overlay, ..Look::default() }), around)?;
+    easel.paint(
+        "error",
+        caption,
+        render::encode(&mesh, &Look { wireframe: true, overlay, ..Look::default() }),
+        around,
+    )?;
     let levels = cell_levels(model, &tenth.view.mesh);
     let overlay = Overlay::Level { values: &levels, range: Overlay::range_of(&levels) };
     let caption = format!("{}: level of each triangle, the longest chain of modifications to it", subject.name);

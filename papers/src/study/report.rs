@@ -42,7 +42,10 @@ pub fn page(results: &Results) -> String {
     for model in names(results) {
         page.heading(3, model);
         page.figure_svg(&triangles_plot(results, model).svg(), "Triangles of each frame, by criterion (incremental).");
-        page.figure_svg(&time_plot(results, model).svg(), "Milliseconds of each frame for the screen criterion, by strategy.");
+        page.figure_svg(
+            &time_plot(results, model).svg(),
+            "Milliseconds of each frame for the screen criterion, by strategy.",
+        );
         let pictures = results.pictures.iter().filter(|p| p.name.starts_with(&format!("{model}-")));
         page.gallery_png(pictures.map(|p| (p.png.as_slice(), p.caption.as_str())));
     }
@@ -65,7 +68,17 @@ fn columns(titles: &[&str], texts: usize) -> Vec<(String, Align)> {
 
 fn built_table(built: &[Built]) -> Table {
     let titles = [
-        "model", "operator", "refused plans", "vertices", "triangles", "base", "modifications", "arcs each", "depth", "bytes a vertex", "seconds",
+        "model",
+        "operator",
+        "refused plans",
+        "vertices",
+        "triangles",
+        "base",
+        "modifications",
+        "arcs each",
+        "depth",
+        "bytes a vertex",
+        "seconds",
     ];
     let row = |b: &Built| {
         let refusals: Vec<_> = b.refusals.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
@@ -104,7 +117,17 @@ fn quality_table(results: &Results) -> Table {
 
 fn frames_table(observations: &[Observation]) -> Table {
     let titles = [
-        "model", "operator", "dependency", "criterion", "strategy", "triangles", "vertices", "refined", "coarsened", "forced", "ms",
+        "model",
+        "operator",
+        "dependency",
+        "criterion",
+        "strategy",
+        "triangles",
+        "vertices",
+        "refined",
+        "coarsened",
+        "forced",
+        "ms",
     ];
     type Key<'a> = (&'a str, &'a str, &'a str, &'a str, &'a str);
     let mut groups: BTreeMap<Key<'_>, Vec<&Observation>> = BTreeMap::new();
@@ -140,7 +163,13 @@ fn quality_plot(results: &Results, model: &str) -> Lines {
 
 fn triangles_plot(results: &Results, model: &str) -> Lines {
     let chosen = |o: &&Observation| o.model == model && o.strategy == "incremental";
-    per_frame(results, chosen, |o| format!("{}, {}", o.criterion, o.operator), |o| f64::from(o.triangles), Axis::logarithmic("triangles"))
+    per_frame(
+        results,
+        chosen,
+        |o| format!("{}, {}", o.criterion, o.operator),
+        |o| f64::from(o.triangles),
+        Axis::logarithmic("triangles"),
+    )
 }
 
 fn time_plot(results: &Results, model: &str) -> Lines {

@@ -114,7 +114,8 @@ impl Results {
     /// The observations as CSV, one a row, with a header.
     pub fn csv(&self) -> String {
         let mut csv =
-            "model,operator,dependency,criterion,strategy,frame,vertices,triangles,refined,coarsened,forced,seconds\n".to_owned();
+            "model,operator,dependency,criterion,strategy,frame,vertices,triangles,refined,coarsened,forced,seconds\n"
+                .to_owned();
         for o in &self.observations {
             _ = writeln!(
                 csv,
@@ -139,7 +140,11 @@ impl Results {
 
 /// A CSV field, in quotes where it needs them.
 fn quoted(field: &str) -> String {
-    if field.contains([',', '"', '\n', '\r']) { format!("\"{}\"", field.replace('"', "\"\"")) } else { field.to_owned() }
+    if field.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", field.replace('"', "\"\""))
+    } else {
+        field.to_owned()
+    }
 }
 
 #[cfg(test)]

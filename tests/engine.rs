@@ -1,0 +1,181 @@
+//! The engine from outside: sinks, logs, interruption, budgets without known gains, two cameras on one model.
+
+use mt_core::explicit::Alive;
+use mt_core::model::{MultiTessellation, View, cells_of};
+use mt_core::{Bound, Camera, Cell, CellId, Coarsen, Explicit, Front, NodeId, Rule, Sink, check, generate};
+use mt_tests::model_of;
+use operators::EdgeCollapse;
+use selective::{Limits, ScreenError, State, Strategy, UniformError, adapt, extract};
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+fn model() -> Explicit<3> {
+    model_of(&generate::bumpy_sphere(4, 0.15, 9), &EdgeCollapse::FULL)
+}
+
+fn cameras(model: &Explicit<3>, count: u32) -> Vec<Camera> {
+    let (low, high) = model.reference().bounding_box().unwrap();
+    let turn = |i: u32| i as f32 / count as f32 * std::f32::consts::TAU;
+    let camera = |i: u32| Camera { near: 0.05, ..Camera::around(low, high, glam::Vec3::new(turn(i).sin(), 0.3, turn(i).cos())) };
+    (0..count).map(camera).collect()
+}
+
+/// Keeps the cells that it hears of, and nothing else.
+#[derive(Default)]
+struct Mirror(BTreeMap<CellId, Cell<3>>);
+
+impl Sink<3> for Mirror {
+    fn kill(&mut self, cell: CellId) {
+        assert!(self.0.remove(&cell).is_some(), "cell {cell} is killed, but was not there");
+    }
+    fn make(&mut self, cell: CellId, corners: Cell<3>) {
+        assert!(self.0.insert(cell, corners).is_none(), "cell {cell} is made twice");
+    }
+    fn relabel(&mut self, cell: CellId, corners: Cell<3>) {
+        assert!(self.0.insert(cell, corners).is_some(), "cell {cell} is relabelled, but was not there");
+    }
+}
+
+#[test]
+fn a_sink_can_mirror_the_mesh() {
+    let model = model();
+    let mut state = State::new(&model, Mirror::default());
+    for camera in cameras(&model, 12) {
+        adapt(&model, &ScreenError::new(&camera, 4.0), &Limits::NONE, &mut state);
+        let cells: BTreeMap<_, _> = cells_of(&model, &state.view.mesh).into_iter().collect();
+        assert!(cells == state.sink.0, "the sink was told another mesh");
+    }
+}
+
+#[test]
+fn rolling_back_the_log_undoes_everything() {
+    let model = model();
+    let mut state = State::new(&model, Mirror::default());
+    let before = state.view.clone();
+    for camera in cameras(&model, 5) {
+        adapt(&model, &ScreenError::new(&camera, 3.0), &Limits::NONE, &mut state);
+    }
+    assert!(state.steps.len() > 100);
+    state.roll_back(&model, 0);
+    assert!(state.view == before && state.steps.is_empty());
+}
+
+#[test]
+fn without_time_the_mesh_stays_legal_and_the_next_calls_finish() {
+    let model = model();
+    let criterion = UniformError { error_max: 0.0 };
+    let (full, _) = extract(&model, &criterion, &Limits::NONE, Strategy::TopDown, ());
+    let mut state = State::new(&model, ());
+    let limits = Limits { cells: None, time: Some(Duration::ZERO) };
+    let mut calls = 0;
+    while !adapt(&model, &criterion, &limits, &mut state).complete {
+        assert!(model.order().is_closed(state.front()));
+        calls += 1;
+        assert!(calls < 1000, "interrupted calls make no progress");
+    }
+    assert!(calls > 2, "the work was not interrupted");
+    assert_eq!(state.front(), full.front());
+}
+
+#[test]
+fn two_cameras_on_two_threads_share_one_model() {
+    let model = model();
+    let views = cameras(&model, 8);
+    let walk = |from: usize| {
+        let mut state = State::new(&model, ());
+        let fronts = (0..8).map(|i| {
+            adapt(&model, &ScreenError::new(&views[(from + i) % 8], 3.0), &Limits::NONE, &mut state);
+            state.front().clone()
+        });
+        fronts.collect::<Vec<Front>>()
+    };
+    let (one, other) = std::thread::scope(|scope| {
+        let (one, other) = (scope.spawn(|| walk(0)), scope.spawn(|| walk(4)));
+        (one.join().unwrap(), other.join().unwrap())
+    });
+    // What a camera sees does not depend on where it came from.
+    assert!((0..8).all(|i| one[i] == other[(i + 4) % 8]));
+}
+
+/// A model that does not know in advance what refining wins.
+struct GainUnknown(Explicit<3>);
+
+impl MultiTessellation<3> for GainUnknown {
+    type Mesh = Alive;
+    type Bound = Bound;
+    const RULE: Rule = Rule::Static;
+
+    fn len(&self) -> u32 {
+        self.0.len()
+    }
+    fn base(&self) -> Alive {
+        self.0.base()
+    }
+    fn cells(&self, mesh: &Alive, each: impl FnMut(CellId, Cell<3>)) {
+        self.0.cells(mesh, each);
+    }
+    fn cell_count(&self, mesh: &Alive) -> u32 {
+        self.0.cell_count(mesh)
+    }
+    fn positions(&self) -> &[glam::Vec3] {
+        self.0.positions()
+    }
+    fn roots(&self, out: &mut Vec<NodeId>) {
+        self.0.roots(out);
+    }
+    fn children(&self, m: NodeId, out: &mut Vec<NodeId>) {
+        self.0.children(m, out);
+    }
+    fn bound(&self, m: NodeId) -> Bound {
+        self.0.bound(m)
+    }
+    fn gain(&self, _: NodeId) -> Option<i32> {
+        None
+    }
+    fn needs(&self, m: NodeId, out: &mut Vec<NodeId>) {
+        self.0.needs(m, out);
+    }
+    fn prerequisites(&self, m: NodeId, view: &View<Alive>, out: &mut Vec<NodeId>) {
+        self.0.prerequisites(m, view, out);
+    }
+    fn obstacles(&self, m: NodeId, view: &View<Alive>, out: &mut Vec<NodeId>) -> Coarsen {
+        self.0.obstacles(m, view, out)
+    }
+    fn refine(&self, m: NodeId, mesh: &mut Alive, sink: &mut impl Sink<3>) {
+        self.0.refine(m, mesh, sink);
+    }
+    fn coarsen(&self, m: NodeId, mesh: &mut Alive, sink: &mut impl Sink<3>) {
+        self.0.coarsen(m, mesh, sink);
+    }
+}
+
+#[test]
+fn a_budget_is_kept_by_counting_or_by_rolling_back_alike() {
+    let known = model();
+    let unknown = GainUnknown(known.clone());
+    for camera in cameras(&known, 6) {
+        for cells in [4, 10, 101, 333, 2000] {
+            let criterion = ScreenError::new(&camera, 0.0);
+            let limits = Limits { cells: Some(cells), time: None };
+            let (counted, one) = extract(&known, &criterion, &limits, Strategy::Priority, ());
+            let (rolled_back, two) = extract(&unknown, &criterion, &limits, Strategy::Priority, ());
+            assert!(counted.cell_count(&known) <= cells);
+            assert_eq!(counted.front(), rolled_back.front());
+            assert_eq!(one, two);
+        }
+    }
+}
+
+#[test]
+fn a_view_dependent_mesh_is_smaller_than_a_uniform_one_and_conforms() {
+    let model = model();
+    let domain = check::conformity(&model).unwrap();
+    let (low, high) = model.reference().bounding_box().unwrap();
+    // Close to one side, and the far plane before the other: most of the sphere is out of sight.
+    let eye = glam::Vec3::new(0.0, 0.0, high.z + 0.2);
+    let camera = Camera { eye, target: eye - glam::Vec3::Z, near: 0.01, far: 1.0, fov_y_degrees: 20.0, ..Camera::around(low, high, glam::Vec3::Z) };
+    let (seen, _) = extract(&model, &ScreenError::new(&camera, 1.0), &Limits::NONE, Strategy::TopDown, ());
+    let corners: Vec<_> = cells_of(&model, &seen.view.mesh).into_iter().map(|(_, corners)| corners).collect();
+    check::crack_free(&corners, model.positions(), &domain).unwrap();
+    assert!(corners.len() * 2 < model.reference().cell_count(), "{} cells", corners.len());
+}
