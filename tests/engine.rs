@@ -16,7 +16,8 @@ fn model() -> Explicit<3> {
 fn cameras(model: &Explicit<3>, count: u32) -> Vec<Camera> {
     let (low, high) = model.reference().bounding_box().unwrap();
     let turn = |i: u32| i as f32 / count as f32 * std::f32::consts::TAU;
-    let camera = |i: u32| Camera { near: 0.05, ..Camera::around(low, high, glam::Vec3::new(turn(i).sin(), 0.3, turn(i).cos())) };
+    let camera =
+        |i: u32| Camera { near: 0.05, ..Camera::around(low, high, glam::Vec3::new(turn(i).sin(), 0.3, turn(i).cos())) };
     (0..count).map(camera).collect()
 }
 
@@ -173,7 +174,14 @@ fn a_view_dependent_mesh_is_smaller_than_a_uniform_one_and_conforms() {
     let (low, high) = model.reference().bounding_box().unwrap();
     // Close to one side, and the far plane before the other: most of the sphere is out of sight.
     let eye = glam::Vec3::new(0.0, 0.0, high.z + 0.2);
-    let camera = Camera { eye, target: eye - glam::Vec3::Z, near: 0.01, far: 1.0, fov_y_degrees: 20.0, ..Camera::around(low, high, glam::Vec3::Z) };
+    let camera = Camera {
+        eye,
+        target: eye - glam::Vec3::Z,
+        near: 0.01,
+        far: 1.0,
+        fov_y_degrees: 20.0,
+        ..Camera::around(low, high, glam::Vec3::Z)
+    };
     let (seen, _) = extract(&model, &ScreenError::new(&camera, 1.0), &Limits::NONE, Strategy::TopDown, ());
     let corners: Vec<_> = cells_of(&model, &seen.view.mesh).into_iter().map(|(_, corners)| corners).collect();
     check::crack_free(&corners, model.positions(), &domain).unwrap();

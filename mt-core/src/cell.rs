@@ -21,9 +21,8 @@ impl<const N: usize> Facet<N> {
 /// The boundary of `[v0, ..]` is the sum of `(-1)^i [.. without vi ..]`.
 pub fn facet<const N: usize>(cell: &Cell<N>, i: usize) -> (Facet<N>, bool) {
     let mut corners = [VertexId::NONE; N];
-    let mut length = 0;
     let mut positive = i.is_multiple_of(2);
-    for &v in cell[..i].iter().chain(&cell[i + 1..]) {
+    for (length, &v) in cell[..i].iter().chain(&cell[i + 1..]).enumerate() {
         let mut at = length;
         while at > 0 && corners[at - 1] > v {
             corners[at] = corners[at - 1];
@@ -31,7 +30,6 @@ pub fn facet<const N: usize>(cell: &Cell<N>, i: usize) -> (Facet<N>, bool) {
             positive = !positive;
         }
         corners[at] = v;
-        length += 1;
     }
     (Facet(corners), positive)
 }

@@ -5,7 +5,7 @@
 //! and go, and a complex need not be a manifold.
 
 use crate::cell::{Cell, Facet, facet};
-use crate::id::VertexId;
+use crate::id::{CellId, VertexId};
 use crate::plan::Plan;
 
 /// The place of a live cell in a [`Complex`]. Places are reused; names of cells in a model are [`crate::CellId`]s.
@@ -13,16 +13,18 @@ pub type Slot = u32;
 
 const NONE: u32 = u32::MAX;
 
-/// A cell, and of each of its corners the next corner (as `slot * N + i`) at the same vertex. Side by side, because a
-/// walk around a vertex reads both.
+/// A cell, of each of its corners the next corner (as `slot * N + i`) at the same vertex, and the cell's name. Side by
+/// side, because a walk around a vertex reads both; 32 bytes for triangles, so that none lies across two cache lines.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
 struct Place<const N: usize> {
     corners: Cell<N>,
     next: [u32; N],
+    name: CellId,
 }
 
 impl<const N: usize> Place<N> {
-    const FREE: Self = Self { corners: [VertexId::NONE; N], next: [NONE; N] };
+    const FREE: Self = Self { corners: [VertexId::NONE; N], next: [NONE; N], name: CellId::NONE };
 }
 
 /// Cells of `N` corners with the star of each vertex.
@@ -40,7 +42,7 @@ impl<const N: usize> Complex<N> {
     /// Requires: corners below `vertex_count`, and different within a cell.
     pub fn new(vertex_count: usize, cells: &[Cell<N>]) -> Self {
         let mut complex = Self {
-            cells: cells.iter().map(|&corners| Place { corners, ..Place::FREE }).collect(),
+            cells: cells.iter().enumerate().map(|(i, &corners)| Place { corners, name: CellId::new(i), ..Place::FREE }).collect(),
             first: vec![NONE; vertex_count],
             free: Vec::new(),
         };
@@ -71,6 +73,18 @@ impl<const N: usize> Complex<N> {
     #[inline]
     pub fn cell(&self, slot: Slot) -> &Cell<N> {
         &self.cells[slot as usize].corners
+    }
+
+    /// The name that a cell was given; input cells are named by their slots.
+    #[inline]
+    pub fn name(&self, slot: Slot) -> CellId {
+        self.cells[slot as usize].name
+    }
+
+    /// Names the cell in `slot`.
+    #[inline]
+    pub fn set_name(&mut self, slot: Slot, name: CellId) {
+        self.cells[slot as usize].name = name;
     }
 
     /// Whether a cell is in `slot`.

@@ -1,4 +1,31 @@
 //! Operators of analysis, one folder each, and the metrics beside them.
+//!
+//! An operator says where a mesh may be coarsened, at what price, and into what: it is an
+//! [`Operator`](mt_core::analysis::Operator), and [`simplify`](mt_core::analysis::simplify) drives it. It plans purely;
+//! a plan is applied only once it is good, and a refusal has its reason. What it did is recorded as a model, so engines
+//! and renderers never hear of operators, and a further one is a folder here and a line below.
+//!
+//! | operator | what it does |
+//! |---|---|
+//! | [`EdgeCollapse::FULL`] | an edge becomes a new vertex, where the quadrics of both ends are least |
+//! | [`EdgeCollapse::HALF`] | an edge becomes one of its ends; no vertex is made |
+//!
+//! | metric | what it measures |
+//! |---|---|
+//! | [`metric::Quadric`] | weighted squared distances to planes |
+//!
+//! ```
+//! use mt_core::analysis::{Options, simplify};
+//! use mt_core::{MultiTessellation, generate};
+//! use mt_operators::EdgeCollapse;
+//!
+//! let torus = generate::torus(16, 8);
+//! let analysis = simplify(&torus, &EdgeCollapse::FULL, &Options::default(), &mut |_| true)?;
+//! let model = analysis.model;
+//! assert!(model.len() > 100 && model.base_cells().len() < torus.cell_count() / 4);
+//! assert_eq!(model.reference(), torus);
+//! # Ok::<(), mt_core::analysis::AnalysisError>(())
+//! ```
 
 pub mod edge_collapse;
 pub mod metric;

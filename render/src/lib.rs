@@ -9,6 +9,17 @@
 //! same places, shade each pixel once at its middle and light it from the same globals, so their
 //! pictures differ by rounding only. No file is opened here and nothing global is set.
 //!
+//! The rooms, in the order in which a picture passes through them:
+//!
+//! | room | what is there |
+//! |---|---|
+//! | `scene`, `ramp` | the encoding: corners and segments, what is shown of a mesh and in which colours |
+//! | `frustum` | the camera seen from outside |
+//! | `globals`, `ink`, `font` | what both painters are given alike: projection and light, lines and legends as triangles |
+//! | `clip`, `raster`, `cpu` | the CPU painter: clip, cover samples, shade |
+//! | `gpu`, `shade.wgsl` | the GPU painter, with the feature `gpu` (a default) |
+//! | `easel`, `picture` | which painter it is, and what may go wrong; the pixels, and PNG |
+//!
 //! ```
 //! use mt_core::{Camera, Mesh};
 //! use mt_render::{Look, Prefer, encode, paint};

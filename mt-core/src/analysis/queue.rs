@@ -1,12 +1,13 @@
 //! The queue of sites by price: buckets of nearly equal prices, first come, first served within each.
 //!
-//! A site with a new price is a new site, so nothing is ever moved within the queue by name. Prices within a bucket
-//! differ by less than a hundredth, which no metric is exact enough to mind; taking turns among equals keeps flat parts,
-//! where all prices are zero, from being eaten up from one corner. Measured on scans of a hundred thousand triangles,
+//! A site with a new price is a new site, so nothing is ever moved within the queue by name. Prices within a bucket, which
+//! are squared distances, differ by less than an eighth; on scans the error at a tenth of the triangles is one part in
+//! seventy larger than with exact order. Taking turns among equals keeps flat parts, where all prices are zero, from being
+//! eaten up from one corner, and neighbours that wait together are worked on together. Measured on scans of a hundred thousand triangles,
 //! where a heap of all sites does not fit the cache: a binary heap took half of all analysis, a four-ary heap of
 //! eight-byte entries a third, this a twentieth.
 
-/// Sites by price, to within a hundredth, and by age.
+/// Sites by price, to within an eighth, and by age.
 pub(super) struct Queue<S> {
     /// One for each value of the price's upper bits.
     buckets: Vec<Bucket<S>>,
@@ -21,7 +22,7 @@ struct Bucket<S> {
 }
 
 /// Bits of a price, as `f32`, that do not matter; the sign bit is never set.
-const LOWER_BITS: u32 = 16;
+const LOWER_BITS: u32 = 20;
 const BUCKETS: usize = 1 << (31 - LOWER_BITS);
 
 impl<S: Copy> Queue<S> {
@@ -87,9 +88,9 @@ mod tests {
     }
 
     #[test]
-    fn buckets_are_narrower_than_a_hundredth() {
+    fn buckets_are_no_wider_than_an_eighth() {
         for price in [1e-12, 0.7, 1.0, 123.0] {
-            assert!(bucket_of(price * 1.01) > bucket_of(price));
+            assert!(bucket_of(price * 1.126) > bucket_of(price));
         }
     }
 }

@@ -4,7 +4,6 @@ use super::measure::Measure;
 use super::queue::Queue;
 use super::{Draft, Operator, Unfit};
 use crate::explicit::{ErrorKind, Explicit, HistoryError, Recorder};
-use crate::id::CellId;
 use crate::mesh::Mesh;
 use crate::plan::{Plan, Refusal, RefusalCounts};
 
@@ -99,8 +98,6 @@ struct Work<'a, const N: usize, O: Operator<N>> {
     /// Refused sites, tried again when the queue is empty: what was in their way may be gone.
     parked: Vec<O::Site>,
     refusals: RefusalCounts,
-    /// The model's name of the cell in each slot.
-    names: Vec<CellId>,
     measure: Option<Measure>,
     plan: Plan<N>,
     slots: Vec<u32>,
@@ -121,7 +118,6 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
             queue,
             parked: Vec::new(),
             refusals: RefusalCounts::default(),
-            names: (0..mesh.cells.len()).map(CellId::new).collect(),
             measure: (options.error_kind == ErrorKind::Measured && N == 3).then(|| Measure::new(mesh)),
             draft,
             plan: Plan::default(),
@@ -185,15 +181,14 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
 
     fn apply(&mut self, recorder: &mut Recorder<N>) -> Result<(), HistoryError> {
         for &slot in &self.plan.kills {
-            recorder.kill(self.names[slot as usize])?;
+            recorder.kill(self.draft.complex.name(slot))?;
         }
         for &position in &self.plan.vertices {
             recorder.vertex(position)?;
         }
         self.draft.apply(&self.plan, &mut self.slots);
-        self.names.resize(self.draft.complex.slot_count(), CellId::NONE);
         for (&slot, &corners) in self.slots.iter().zip(&self.plan.makes) {
-            self.names[slot as usize] = recorder.make(corners)?;
+            self.draft.complex.set_name(slot, recorder.make(corners)?);
         }
         recorder.end(self.plan.error)?;
         if let Some(measure) = &mut self.measure {
