@@ -5,7 +5,7 @@ use mt_core::check::{self, Law, Random};
 use mt_core::explicit::{Alive, Parts};
 use mt_core::model::{MultiTessellation, View, take};
 use mt_core::{
-    Bound, Cell, CellId, Coarsen, Explicit, Front, NodeId, Plan, Refusal, Rule, Sink, Step, VertexId, generate,
+    Bound, Cell, CellId, Coarsen, Complex, Explicit, Front, NodeId, Plan, Refusal, Rule, Sink, Step, VertexId, generate,
 };
 use mt_tests::model_of;
 use multi_tessellation::verify;
@@ -41,6 +41,17 @@ fn conformity_sees_a_corner_moved_to_another_vertex() {
         parts.corners[made][0] = stranger;
     });
     assert_eq!(verdict(&model).map(|v| v.0), Some(Law::Conformity));
+}
+
+#[test]
+fn conformity_sees_a_bad_plan_before_it_is_applied() {
+    // An ear of a strip goes, and nothing is made of the triangle behind it.
+    let strip = generate::strip(4);
+    let complex = Complex::new(strip.positions.len(), &strip.cells);
+    let ear = Plan { kills: vec![0], ..Plan::default() };
+    assert_eq!(check::plan(&complex, &ear).unwrap_err().law, Law::Conformity);
+    let both = Plan { kills: vec![0, 1], makes: vec![strip.cells[1]], ..Plan::default() };
+    assert_eq!(check::plan(&complex, &both), Ok(()));
 }
 
 #[test]
@@ -203,13 +214,13 @@ impl MultiTessellation<3> for Faulty {
         if self.fault == Fault::RefineLooksAtTheMesh && m.0.is_multiple_of(7) && odd {
             mesh.remove(self.model.fine_side(m)[0].0);
         }
-        if self.fault == Fault::RefineForgetsOneCell && m.0.is_multiple_of(7) {
+        if self.fault == Fault::RefineForgetsOneCell && m.0.is_multiple_of(2) {
             mesh.remove(self.model.fine_side(m)[0].0);
         }
     }
     fn coarsen(&self, m: NodeId, mesh: &mut Alive, sink: &mut impl Sink<3>) {
         self.model.coarsen(m, mesh, sink);
-        if self.fault == Fault::CoarsenSwapsCells && m.0.is_multiple_of(7) {
+        if self.fault == Fault::CoarsenSwapsCells && m.0.is_multiple_of(2) {
             let cell = self.model.coarse_side(m).next().expect("a collapse leaves cells");
             mesh.remove(cell.0);
             mesh.insert(self.model.fine_side(m)[0].0);

@@ -3,6 +3,7 @@
 use super::measure::Measure;
 use super::queue::Queue;
 use super::{Draft, Operator, Unfit};
+use crate::check;
 use crate::explicit::{ErrorKind, Explicit, HistoryError, Recorder};
 use crate::mesh::Mesh;
 use crate::plan::{Plan, Refusal, RefusalCounts};
@@ -180,6 +181,7 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
     }
 
     fn apply(&mut self, recorder: &mut Recorder<N>) -> Result<(), HistoryError> {
+        debug_assert_eq!(check::plan(&self.draft.complex, &self.plan), Ok(()), "{} plans badly", self.operator.name());
         for &slot in &self.plan.kills {
             recorder.kill(self.draft.complex.name(slot))?;
         }

@@ -3,9 +3,11 @@
 use super::{Breach, Law, ensure};
 use crate::cell::{Facet, facets};
 use crate::explicit::Explicit;
+use crate::complex::Complex;
 use crate::id::NodeId;
 use crate::mesh::{area_vector, volume_six};
 use crate::model::MultiTessellation;
+use crate::plan::Plan;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// What every mesh of a model is compared with: the domain of its reference mesh.
@@ -158,4 +160,24 @@ pub fn saturation<const N: usize>(model: &Explicit<N>) -> Result<(), Breach> {
 pub(super) fn content<const N: usize>(corners: &[glam::Vec3; N], normal: glam::DVec3) -> f64 {
     let p = |i: usize| corners[i].as_dvec3();
     if N == 3 { area_vector([p(0), p(1), p(2)]).dot(normal) } else { volume_six([p(0), p(1), p(2), p(3)]) }
+}
+
+/// Law 1 for a plan before it is applied: the facets in which the boundaries of its two sides differ are shared with no
+/// cell outside the patch. Debug builds call it on every plan. O(patch log patch).
+pub fn plan<const N: usize>(complex: &Complex<N>, plan: &Plan<N>) -> Result<(), Breach> {
+    let (fine, coarse) = plan.patch(complex).boundary_difference();
+    for facet in fine.iter().chain(&coarse) {
+        let vertices = facet.vertices();
+        // A vertex that the plan is about to make has no cell yet.
+        let old = vertices.iter().all(|v| v.index() < complex.vertex_count());
+        let mut around = old.then(|| complex.star(vertices[0])).into_iter().flatten();
+        let outside = around.find(|(slot, _)| {
+            vertices.iter().all(|v| complex.cell(*slot).contains(v)) && !plan.kills.contains(slot)
+        });
+        if let Some((slot, _)) = outside {
+            let what = format!("the plan changes facet {:?}, which the cell in slot {slot} shares", names(facet));
+            return Err(Breach::new(Law::Conformity, None, what));
+        }
+    }
+    Ok(())
 }

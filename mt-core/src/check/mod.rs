@@ -10,7 +10,7 @@ mod oracle;
 mod steps;
 
 pub use crate::random::Random;
-pub use conformity::{Domain, cells, conformity, saturation};
+pub use conformity::{Domain, cells, conformity, plan, saturation};
 pub use fronts::random_front;
 pub use mesh::crack_free;
 pub use oracle::{front_determines_mesh, set_algebra};

@@ -1,0 +1,11 @@
+//! The command `mtess` as a user meets it: every test runs the program itself, on meshes made for it, in a folder of
+//! its own.
+
+mod building;
+mod extracting;
+mod interrupting;
+mod kit;
+mod looking;
+mod refusing;
+mod studying;
+mod verifying;

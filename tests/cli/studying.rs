@@ -1,0 +1,99 @@
+//! `mtess study`: a folder with every figure in it, and a page that needs nothing else.
+
+use crate::kit::Room;
+use mt_core::generate;
+use std::collections::BTreeSet;
+
+const HEADER: &str =
+    "model,operator,dependency,criterion,strategy,frame,vertices,triangles,refined,coarsened,forced,seconds";
+
+#[test]
+fn a_study_writes_its_report() {
+    let room = Room::new();
+    room.put("ball.ply", &generate::bumpy_sphere(3, 0.1, 5));
+    let told = room.good("study ball.ply --frames 3 -o report");
+    assert!(told.out.contains("index.html"), "{}", told.out);
+    let csv = room.text("report/results.csv");
+    let mut lines = csv.lines();
+    assert_eq!(lines.next(), Some(HEADER));
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert!(rows.iter().all(|row| row.len() == 12), "{csv}");
+    let column = |i: usize| rows.iter().map(|row| row[i]).collect::<BTreeSet<_>>();
+    assert_eq!(column(0), ["ball"].into());
+    assert_eq!(column(1), ["edge-collapse", "half-edge-collapse"].into());
+    assert_eq!(column(3), ["budget", "region", "screen", "uniform"].into());
+    assert_eq!(column(4), ["incremental", "priority", "top-down"].into());
+    assert_eq!(column(5), ["0", "1", "2"].into());
+    // Four criteria by three strategies, but the budget by two; three frames, two operators.
+    assert_eq!(rows.len(), 11 * 3 * 2);
+    same_counts(&rows);
+
+    let json: serde_json::Value = serde_json::from_slice(&room.read("report/results.json")).unwrap();
+    assert_eq!(json["observations"].as_array().unwrap().len(), rows.len());
+    assert_eq!(json["frames"], 3);
+    stands_alone(&room.text("report/index.html"));
+    let report = std::fs::read_dir(room.path("report")).unwrap();
+    let left = report.filter(|entry| entry.as_ref().unwrap().path().to_string_lossy().ends_with(".part")).count();
+    assert_eq!(left, 0);
+    assert_eq!(room.files(), ["ball.ply", "report"]);
+}
+
+/// Whatever the strategy, a criterion has one answer.
+fn same_counts(rows: &[Vec<&str>]) {
+    for one in rows {
+        for other in rows {
+            if (one[1], one[3], one[5]) == (other[1], other[3], other[5]) {
+                assert_eq!(one[7], other[7], "{one:?} {other:?}");
+            }
+        }
+    }
+}
+
+/// Nothing in the page is loaded from elsewhere: not from the network, and not from beside it.
+fn stands_alone(page: &str) {
+    assert!(page.contains("<html") && page.contains("</html>"), "a whole page");
+    for mark in ["src=", "href="] {
+        for (at, _) in page.match_indices(mark) {
+            let value = page[at + mark.len()..].trim_start_matches(['"', '\'']);
+            let inside = value.starts_with("data:") || value.starts_with('#');
+            assert!(inside, "{mark}{}", &value[..value.len().min(60)]);
+        }
+    }
+    // A namespace is a name that looks like an address; nobody goes there.
+    let names = page.replace("http://www.w3.org/2000/svg", "").replace("http://www.w3.org/1999/xlink", "");
+    for mark in ["http:", "https:", "url(", "@import", "<link", "<iframe"] {
+        assert!(!names.contains(mark), "{mark} in the page");
+    }
+}
+
+#[test]
+fn what_cannot_be_studied_is_refused_before_anything_is_written() {
+    let room = Room::new();
+    room.put("ball.ply", &generate::bumpy_sphere(2, 0.1, 5));
+    room.write("bad.ply", "ply\nnothing");
+    room.refused("study bad.ply -o report", "bad.ply");
+    room.refused("study missing.ply -o report", "missing.ply");
+    std::fs::create_dir(room.path("other")).unwrap();
+    room.put("other/ball.ply", &generate::triangle());
+    let told = room.run("study ball.ply other/ball.ply -o report");
+    assert_eq!(told.code, Some(1), "{told:?}");
+    assert!(told.err.lines().last().unwrap().starts_with("error: other/ball.ply"), "{told:?}");
+    assert_eq!(room.files(), ["bad.ply", "ball.ply", "other"]);
+
+    // Taken for a folder, but a file is there.
+    let told = room.run("study ball.ply -o bad.ply --frames 1");
+    assert_eq!(told.code, Some(1));
+    assert!(told.err.lines().last().unwrap().starts_with("error: bad.ply"), "{told:?}");
+}
+
+#[test]
+fn sheets_are_refused_by_file_with_a_way_out_or_split() {
+    let room = Room::new();
+    room.put("fan3.obj", &generate::fan3());
+    let told = room.run("study fan3.obj --frames 1 -o report");
+    let errors: Vec<_> = told.err.lines().filter(|line| line.starts_with("error:")).collect();
+    assert_eq!((told.code, errors.len()), (Some(1), 1), "{told:?}");
+    assert!(errors[0].contains("fan3.obj") && errors[0].contains("--split-non-manifold"), "{told:?}");
+    assert_eq!(room.files(), ["fan3.obj"]);
+    room.good("study fan3.obj --frames 1 -o report --split-non-manifold");
+}

@@ -1,0 +1,113 @@
+//! `mtess verify`: exit 0 where the laws hold, exit 1 with a counterexample where one is broken.
+
+use crate::kit::{Room, ball};
+use mt_core::container::{self, Meta};
+use mt_core::explicit::Parts;
+use mt_core::{ErrorKind, Explicit, Mesh, MultiTessellation, Recorder, VertexId, generate};
+
+#[test]
+fn the_laws_hold_for_what_is_built() {
+    let room = ball();
+    room.put("terrain.ply", &generate::terrain(16, 0.5, 3));
+    room.good("build terrain.ply -o terrain.mt --operator half-edge-collapse");
+    for model in ["ball.mt", "terrain.mt"] {
+        let told = room.good(&format!("verify {model} --fronts 20 --seed 7"));
+        assert!(told.out.contains("every law holds over 20 random fronts (seed 7)"), "{}", told.out);
+        let json = room.good(&format!("verify {model} --fronts 20 --json")).json();
+        assert_eq!(json["holds"], true);
+        let checks = json["checks"].as_object().unwrap();
+        assert!(checks.len() >= 8 && checks.values().all(|count| count.as_u64() > Some(0)), "{json}");
+    }
+    assert!(room.files().iter().all(|name| !name.contains("counterexample")));
+}
+
+#[test]
+fn a_model_of_tetrahedra_is_told_and_verified_but_not_drawn() {
+    let mesh: Mesh<4> = generate::tetrahedral_box(1);
+    let model = Recorder::new(&mesh).unwrap().finish(ErrorKind::Measured).unwrap();
+    let mut bytes = Vec::new();
+    container::write(&model, &Meta::default(), &mut bytes).unwrap();
+    let room = Room::new();
+    room.write("box.mt", bytes);
+    assert_eq!(room.good("info box.mt --json").json()["corners"], 4);
+    room.good("verify box.mt --fronts 3");
+    room.good("history box.mt -o box.jsonl");
+    room.refused("extract box.mt --reference -o box.ply", "box.mt");
+    room.refused("render box.mt --reference -o box.png", "box.mt");
+}
+
+/// Writes `broken.mt`: the ball with its arrays altered, under checksums that fit.
+fn broken(room: &Room, alter: impl FnOnce(&mut Parts<3>)) {
+    let (model, meta) = room.model("ball.mt");
+    let mut parts = model.parts().clone();
+    alter(&mut parts);
+    let model = Explicit::from_parts(parts).expect("arrays that fit each other");
+    room.write_model("broken.mt", &model, &meta);
+}
+
+/// Verifies `broken.mt`, which must end with this law and a counterexample in a folder of its own.
+fn found(room: &Room, law: &str) -> String {
+    std::fs::create_dir_all(room.path("found")).unwrap();
+    let told = room.run("verify broken.mt --counterexample found --fronts 20");
+    assert_eq!(told.code, Some(1), "{told:?}");
+    assert!(told.err.starts_with("error: broken.mt: ") && told.err.contains(law), "{law}: {told:?}");
+    assert!(!told.err.contains("panicked"), "{told:?}");
+    let log = room.text("found/broken-counterexample.txt");
+    assert!(log.contains("model: broken.mt") && log.contains("front, finest first:"), "{log}");
+    assert!(room.text("found/broken-counterexample.obj").contains("\nf "), "a mesh to look at");
+    let json = room.run("verify broken.mt --counterexample found --fronts 20 --json").json();
+    assert_eq!(json["holds"], false);
+    assert_eq!(json["law"], law);
+    log
+}
+
+#[test]
+fn a_cell_turned_over_is_found() {
+    let room = ball();
+    broken(&room, |parts| parts.corners.last_mut().unwrap().swap(0, 1));
+    let log = found(&room, "conformity");
+    assert!(log.contains("replaces, when refined:") && log.contains("\n  - ") && log.contains("\n  + "), "{log}");
+}
+
+#[test]
+fn a_bound_that_does_not_contain_is_found() {
+    let room = ball();
+    // The last node is a root of the discovery forest, so what hangs under it sticks out.
+    broken(&room, |parts| {
+        let m = parts.parents.iter().rev().find(|parent| !parent.is_none()).unwrap().index();
+        parts.bounds[m].radius = 0.0;
+        parts.bounds[m].error = 0.0;
+    });
+    found(&room, "saturation");
+}
+
+#[test]
+fn a_corner_moved_elsewhere_is_found() {
+    let room = ball();
+    broken(&room, |parts| {
+        let made = parts.corners.len() - 1;
+        let elsewhere = (0..parts.positions.len() as u32).map(VertexId).find(|v| !parts.corners[made].contains(v));
+        parts.corners[made][2] = elsewhere.unwrap();
+    });
+    found(&room, "conformity");
+}
+
+#[test]
+fn a_counterexample_needs_its_folder() {
+    let room = ball();
+    room.refused("verify ball.mt --counterexample nowhere", "nowhere");
+    room.refused("verify ball.mt --counterexample ball.ply", "ball.ply");
+}
+
+#[test]
+fn a_model_without_modifications_is_a_model() {
+    let room = Room::new();
+    room.put("one.obj", &generate::triangle());
+    room.good("build one.obj -o one.mt");
+    assert!(room.model("one.mt").0.is_empty());
+    for command in ["info one.mt", "verify one.mt", "history one.mt -o one.jsonl", "extract one.mt --error 0 -o o.ply"] {
+        room.good(command);
+    }
+    room.good("build one.obj -o again.mt --history one.jsonl");
+    room.good("render one.mt --reference --size 32x32 --painter cpu -o one.png");
+}
