@@ -114,7 +114,8 @@ fn a_time_limit_ends_with_a_mesh() {
     room.put("terrain.ply", &generate::terrain(60, 0.5, 3));
     room.good("build terrain.ply -o terrain.mt");
     for strategy in STRATEGIES {
-        let told = room.good(&format!("extract terrain.mt --error 0 --time-ms 0 --strategy {strategy} -o o.ply --json"));
+        let told =
+            room.good(&format!("extract terrain.mt --error 0 --time-ms 0 --strategy {strategy} -o o.ply --json"));
         assert!(told.json()["triangles"].as_u64().unwrap() >= 2);
         assert!(mt_core::format::census(&room.mesh("o.ply")).is_manifold(), "no crack, however early it stopped");
     }

@@ -105,7 +105,8 @@ fn a_model_without_modifications_is_a_model() {
     room.put("one.obj", &generate::triangle());
     room.good("build one.obj -o one.mt");
     assert!(room.model("one.mt").0.is_empty());
-    for command in ["info one.mt", "verify one.mt", "history one.mt -o one.jsonl", "extract one.mt --error 0 -o o.ply"] {
+    for command in ["info one.mt", "verify one.mt", "history one.mt -o one.jsonl", "extract one.mt --error 0 -o o.ply"]
+    {
         room.good(command);
     }
     room.good("build one.obj -o again.mt --history one.jsonl");

@@ -40,8 +40,9 @@ pub fn conformity<const N: usize>(model: &Explicit<N>) -> Result<Domain<N>, Brea
             *count.entry(facet).or_default() += 1;
         }
     }
-    domain.boundary.extend(count.iter().filter(|(_, n)| **n == 1).map(|(facet, _)| *facet));
-    let base_boundary = domain.boundary.clone();
+    let input_boundary = domain.boundary.len();
+    let base_boundary: FxHashSet<Facet<N>> = count.iter().filter(|(_, n)| **n == 1).map(|(facet, _)| *facet).collect();
+    domain.boundary.extend(&base_boundary);
     for m in (0..model.len()).rev().map(NodeId) {
         let patch = model.patch(m);
         let (fine, coarse) = patch.boundary_difference();
@@ -76,7 +77,7 @@ pub fn conformity<const N: usize>(model: &Explicit<N>) -> Result<Domain<N>, Brea
         }
     }
     closed_domain_has_no_boundary(&reference, &base_boundary)?;
-    domain.boundary_fixed = domain.boundary.len() == base_boundary.len();
+    domain.boundary_fixed = domain.boundary.len() == input_boundary && base_boundary.len() == input_boundary;
     Ok(domain)
 }
 
