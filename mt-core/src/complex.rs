@@ -42,7 +42,11 @@ impl<const N: usize> Complex<N> {
     /// Requires: corners below `vertex_count`, and different within a cell.
     pub fn new(vertex_count: usize, cells: &[Cell<N>]) -> Self {
         let mut complex = Self {
-            cells: cells.iter().enumerate().map(|(i, &corners)| Place { corners, name: CellId::new(i), ..Place::FREE }).collect(),
+            cells: cells
+                .iter()
+                .enumerate()
+                .map(|(i, &corners)| Place { corners, name: CellId::new(i), ..Place::FREE })
+                .collect(),
             first: vec![NONE; vertex_count],
             free: Vec::new(),
         };

@@ -82,12 +82,30 @@ fn text(facts: &Value, meta: &Meta) -> String {
     let refusals: Vec<_> = meta.refusals.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
     let mut lines = vec![
         format!("{} by {}", get("source"), get("operator")),
-        format!("input          {} vertices, {} cells of {} corners", get("vertices_in"), get("cells_in"), get("corners")),
+        format!(
+            "input          {} vertices, {} cells of {} corners",
+            get("vertices_in"),
+            get("cells_in"),
+            get("corners")
+        ),
         format!("base mesh      {} cells ({})", get("cells_base"), get("stopped")),
-        format!("modifications  {}, in an order of {} arcs and depth {}", get("modifications"), get("arcs"), get("depth")),
-        format!("               {} terminal (nothing coarser follows), {} that nothing needs", get("terminal_modifications"), get("leaf_modifications")),
+        format!(
+            "modifications  {}, in an order of {} arcs and depth {}",
+            get("modifications"),
+            get("arcs"),
+            get("depth")
+        ),
+        format!(
+            "               {} terminal (nothing coarser follows), {} that nothing needs",
+            get("terminal_modifications"),
+            get("leaf_modifications")
+        ),
         format!("errors         {} to {} model units ({})", get("error_min"), get("error_max"), get("error_kind")),
-        format!("memory         {} bytes, {:.1} an input vertex", get("bytes"), facts["bytes_per_vertex"].as_f64().unwrap_or(0.0)),
+        format!(
+            "memory         {} bytes, {:.1} an input vertex",
+            get("bytes"),
+            facts["bytes_per_vertex"].as_f64().unwrap_or(0.0)
+        ),
         format!("refused plans  {}", if refusals.is_empty() { "none".into() } else { refusals.join(", ") }),
     ];
     lines.extend(meta.load_report.iter().map(|line| format!("on loading     {line}")));

@@ -5,8 +5,8 @@ use crate::files;
 use crate::selection::Selection;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
-use mt_core::model::mesh_of;
 use mt_core::Camera;
+use mt_core::model::mesh_of;
 use papers::study::{cell_errors, cell_levels};
 use render::{Look, Overlay as Colours, Prefer};
 use std::path::PathBuf;
@@ -58,7 +58,9 @@ enum Painter {
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let parsed = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
-    parsed.filter(|(w, h)| (1..=16_384).contains(w) && (1..=16_384).contains(h)).ok_or("a size is WIDTHxHEIGHT, 1 to 16384 each".into())
+    parsed
+        .filter(|(w, h)| (1..=16_384).contains(w) && (1..=16_384).contains(h))
+        .ok_or("a size is WIDTHxHEIGHT, 1 to 16384 each".into())
 }
 
 impl Render {

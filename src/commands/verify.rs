@@ -65,10 +65,13 @@ impl Verify {
 
     fn tell(&self, summary: &Summary, seconds: f64) {
         if self.json {
-            print_json(&json!({ "holds": true, "fronts": self.fronts, "seed": self.seed, "checks": summary, "seconds": seconds }));
+            print_json(
+                &json!({ "holds": true, "fronts": self.fronts, "seed": self.seed, "checks": summary, "seconds": seconds }),
+            );
             return;
         }
-        let mut text = format!("every law holds over {} random fronts (seed {}) in {seconds:.1} s:", self.fronts, self.seed);
+        let mut text =
+            format!("every law holds over {} random fronts (seed {}) in {seconds:.1} s:", self.fronts, self.seed);
         for (law, count) in summary {
             _ = write!(text, "\n  {law}: checked {count} times");
         }

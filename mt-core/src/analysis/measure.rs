@@ -64,7 +64,8 @@ impl Measure {
             let mut point = self.first[slot as usize];
             while point != NONE {
                 let p = self.points[point as usize];
-                let distances = plan.makes.iter().map(|cell| distance_squared(p, [cell[0], cell[1], cell[2]].map(position)));
+                let distances =
+                    plan.makes.iter().map(|cell| distance_squared(p, [cell[0], cell[1], cell[2]].map(position)));
                 let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
                 self.found.push((point, nearest.0 as u32));
                 worst = worst.max(nearest.1);

@@ -68,7 +68,9 @@ pub trait Operator<const N: usize> {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Unfit {
     /// The operator wants a manifold.
-    #[error("not a manifold: {edges} edges with more than two triangles{edge_places}, {vertices} vertices where several sheets touch{vertex_places}")]
+    #[error(
+        "not a manifold: {edges} edges with more than two triangles{edge_places}, {vertices} vertices where several sheets touch{vertex_places}"
+    )]
     NonManifold {
         /// Number of non-manifold edges.
         edges: usize,

@@ -127,7 +127,11 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
         })
     }
 
-    fn run(&mut self, recorder: &mut Recorder<N>, watch: &mut dyn FnMut(Progress) -> bool) -> Result<Stopped, AnalysisError> {
+    fn run(
+        &mut self,
+        recorder: &mut Recorder<N>,
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Stopped, AnalysisError> {
         let cells_in = self.draft.complex.cell_count();
         let mut applied_since_parking = true;
         let mut too_coarse = false;

@@ -2,8 +2,8 @@
 
 use super::{Breach, Law, ensure};
 use crate::cell::{Facet, facets};
-use crate::explicit::Explicit;
 use crate::complex::Complex;
+use crate::explicit::Explicit;
 use crate::id::NodeId;
 use crate::mesh::{area_vector, volume_six};
 use crate::model::MultiTessellation;
@@ -172,9 +172,8 @@ pub fn plan<const N: usize>(complex: &Complex<N>, plan: &Plan<N>) -> Result<(), 
         // A vertex that the plan is about to make has no cell yet.
         let old = vertices.iter().all(|v| v.index() < complex.vertex_count());
         let mut around = old.then(|| complex.star(vertices[0])).into_iter().flatten();
-        let outside = around.find(|(slot, _)| {
-            vertices.iter().all(|v| complex.cell(*slot).contains(v)) && !plan.kills.contains(slot)
-        });
+        let outside = around
+            .find(|(slot, _)| vertices.iter().all(|v| complex.cell(*slot).contains(v)) && !plan.kills.contains(slot));
         if let Some((slot, _)) = outside {
             let what = format!("the plan changes facet {:?}, which the cell in slot {slot} shares", names(facet));
             return Err(Breach::new(Law::Conformity, None, what));

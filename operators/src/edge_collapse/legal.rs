@@ -6,7 +6,7 @@ use mt_core::mesh::area_vector;
 use mt_core::{Complex, Refusal, VertexId};
 
 /// The link condition for an edge of a manifold: `Lk(u) ∩ Lk(v) = Lk(uv)`, in vertices and in edges, with a cone vertex
-/// over the boundary ([DeyEdelsbrunner1999]). O(degree of u × degree of v).
+/// over the boundary (`[DeyEdelsbrunner1999]`). O(degree of u × degree of v).
 pub(super) fn link_condition(
     complex: &Complex<3>,
     [u, v]: [VertexId; 2],
@@ -18,7 +18,9 @@ pub(super) fn link_condition(
     let mut count = 0;
     for (slot, i) in complex.star(u) {
         let cell = complex.cell(slot);
-        if let Some(&apex) = cell.iter().enumerate().find(|&(k, &w)| k != i && w != v).filter(|_| cell.contains(&v)).map(|(_, w)| w) {
+        if let Some(&apex) =
+            cell.iter().enumerate().find(|&(k, &w)| k != i && w != v).filter(|_| cell.contains(&v)).map(|(_, w)| w)
+        {
             if count == 2 {
                 return Err(Refusal::Link);
             }
@@ -41,7 +43,9 @@ pub(super) fn link_condition(
     }
     let closes = match (count, shared) {
         // Both ends share an edge of their links: the last tetrahedron. Then both have three triangles.
-        (2, [a, b]) => complex.star(u).nth(3).is_none() && has_triangle(complex, u, a, b) && has_triangle(complex, v, a, b),
+        (2, [a, b]) => {
+            complex.star(u).nth(3).is_none() && has_triangle(complex, u, a, b) && has_triangle(complex, v, a, b)
+        }
         // The cone's edge: a triangle on its own.
         (1, [apex, _]) => complex.edge_degree(u, apex) == 1 && complex.edge_degree(v, apex) == 1,
         _ => true,

@@ -76,12 +76,14 @@ fn one_umbrella(complex: &Complex<3>, v: VertexId, walk: &mut Vec<(VertexId, Ver
     let mut at = 0;
     while at < reached {
         let (a, b) = walk[at];
-        for other in reached..walk.len() {
+        let mut other = reached;
+        while other < walk.len() {
             let (c, d) = walk[other];
             if c == a || c == b || d == a || d == b {
                 walk.swap(reached, other);
                 reached += 1;
             }
+            other += 1;
         }
         at += 1;
     }

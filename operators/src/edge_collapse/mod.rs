@@ -1,9 +1,9 @@
 //! Edge collapse on manifold triangle meshes, both kinds, by quadrics.
 //!
-//! A full edge collapse ([Hoppe1996]) puts a new vertex where the quadrics of both ends are least; a half-edge collapse
-//! pulls one end onto the other and makes no vertex. The link condition ([DeyEdelsbrunner1999], with a cone over the
+//! A full edge collapse (`[Hoppe1996]`) puts a new vertex where the quadrics of both ends are least; a half-edge collapse
+//! pulls one end onto the other and makes no vertex. The link condition (`[DeyEdelsbrunner1999]`, with a cone over the
 //! boundary) keeps the mesh a manifold of the same topology; both stars are tested for folding over against the final
-//! position. Deviation from [GarlandHeckbert1997]: every collapse of a full edge makes a new vertex id, so an edge's
+//! position. Deviation from `[GarlandHeckbert1997]`: every collapse of a full edge makes a new vertex id, so an edge's
 //! price holds as long as the edge does and nothing in the queue needs a stamp.
 
 mod legal;
@@ -50,8 +50,12 @@ pub struct EdgeCollapse {
 
 impl EdgeCollapse {
     /// Full edge collapse with optimal placement.
-    pub const FULL: Self =
-        Self { placement: Placement::Optimal, boundary: BoundaryRule::Weighted, boundary_weight: 4.0, fold_cosine: 0.2 };
+    pub const FULL: Self = Self {
+        placement: Placement::Optimal,
+        boundary: BoundaryRule::Weighted,
+        boundary_weight: 4.0,
+        fold_cosine: 0.2,
+    };
     /// Half-edge collapse.
     pub const HALF: Self = Self { placement: Placement::End, ..Self::FULL };
 }
@@ -202,7 +206,9 @@ impl EdgeCollapse {
                 let second = quadric.value(ends[1].as_dvec3()) < quadric.value(ends[0].as_dvec3());
                 Target { position: ends[usize::from(second)], kept: Some(if second { site.b } else { site.a }) }
             }
-            Placement::Optimal => Target { position: optimal(ends.map(|p| p.as_dvec3()), quadric).as_vec3(), kept: None },
+            Placement::Optimal => {
+                Target { position: optimal(ends.map(|p| p.as_dvec3()), quadric).as_vec3(), kept: None }
+            }
         }
     }
 
@@ -295,7 +301,8 @@ fn remake_behind(complex: &Complex<3>, u: VertexId, v: VertexId, plan: &mut Plan
         if complex.edge_degree(u, apex) > 1 {
             continue;
         }
-        let behind = complex.star(v).map(|(slot, _)| slot).find(|&slot| slot != dying && complex.cell(slot).contains(&apex));
+        let behind =
+            complex.star(v).map(|(slot, _)| slot).find(|&slot| slot != dying && complex.cell(slot).contains(&apex));
         if let Some(slot) = behind.filter(|slot| !plan.kills.contains(slot)) {
             plan.kills.push(slot);
             plan.makes.push(*complex.cell(slot));
