@@ -4,7 +4,9 @@ use mt_core::container::{self, Meta};
 use mt_core::format::{Format, LoadOptions, LoadReport};
 use mt_core::{Explicit, Mesh};
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use tempfile::NamedTempFile;
 
 /// What went wrong with a file, as one line.
 #[derive(Debug, thiserror::Error)]
@@ -35,6 +37,9 @@ pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
 
 /// A mesh, by the file's ending, and what loading it found.
 pub fn load_mesh(path: &Path, options: &LoadOptions) -> Result<(Mesh<3>, LoadReport), FileError> {
+    if path.is_dir() {
+        return Err(FileError::new(path, "is a folder, not a file"));
+    }
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     let Some(format) = Format::from_extension(ending) else {
         let what = if ending == "mt" {
@@ -45,8 +50,11 @@ pub fn load_mesh(path: &Path, options: &LoadOptions) -> Result<(Mesh<3>, LoadRep
         return Err(if path.exists() { FileError::new(path, what) } else { FileError::new(path, "no such file") });
     };
     let bytes = read(path)?;
-    // A glTF file names its buffers relative to itself.
-    let beside = |name: &str| std::fs::read(path.parent().unwrap_or(Path::new("")).join(name)).ok();
+    // A glTF file names its buffers relative to itself, and may come from anybody: it reads nothing from elsewhere.
+    let beside = |name: &str| {
+        let below = Path::new(name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+        below.then(|| std::fs::read(path.parent().unwrap_or(Path::new("")).join(name)).ok())?
+    };
     mt_core::format::read(format, &bytes, options, &beside).map_err(|error| FileError::new(path, error))
 }
 
@@ -98,25 +106,66 @@ pub fn open_lines(path: &Path) -> Result<io::BufReader<std::fs::File>, FileError
     Ok(io::BufReader::new(std::fs::File::open(path).map_err(missing)?))
 }
 
-/// Writes a file whole or not at all: into a temporary file beside it, which then takes its name.
-pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), FileError> {
-    let wrong = |error: io::Error| FileError::new(path, format!("cannot be written: {error}"));
+/// Refuses what cannot become a file: a folder, or a place in a folder that does not exist. Commands ask before the work
+/// starts, not after.
+pub fn check_place(path: &Path) -> Result<(), FileError> {
     if path.is_dir() {
         return Err(FileError::new(path, "is a folder, not a file"));
     }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        return Err(FileError::new(path, "the folder does not exist"));
+    if folder_of(path).is_dir() { Ok(()) } else { Err(FileError::new(path, "the folder does not exist")) }
+}
+
+/// [`check_place`], and that the ending is the one of such files. So a slip of the hand replaces no input.
+pub fn check_output(path: &Path, what: &str, ending: &str) -> Result<(), FileError> {
+    if path.extension().and_then(|e| e.to_str()) != Some(ending) {
+        return Err(FileError::new(path, format!("{what} is written with the ending {ending}")));
     }
+    check_place(path)
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// The temporary file that is being written, for whoever ends the process.
+static PART: Mutex<Option<PathBuf>> = Mutex::new(None);
+
+fn part() -> MutexGuard<'static, Option<PathBuf>> {
+    PART.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes what is half-written. As long as the guard lives no other file is begun, and none takes its name.
+pub fn discard_part() -> impl Drop {
+    let mut part = part();
+    if let Some(path) = part.take() {
+        _ = std::fs::remove_file(path);
+    }
+    part
+}
+
+fn begin_part(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".mtess-").suffix(".part");
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder).map_err(wrong)?;
+    let mut part = part();
+    let file = builder.tempfile_in(folder)?;
+    *part = Some(file.path().to_owned());
+    Ok(file)
+}
+
+/// Writes a file whole or not at all: into a temporary file beside it, which then takes its name.
+pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), FileError> {
+    let wrong = |error: io::Error| FileError::new(path, format!("cannot be written: {error}"));
+    check_place(path)?;
+    let mut file = begin_part(folder_of(path)).map_err(wrong)?;
     let mut buffer = BufWriter::with_capacity(1 << 20, file.as_file_mut());
-    fill(&mut buffer).and_then(|()| buffer.flush()).map_err(wrong)?;
+    let filled = fill(&mut buffer).and_then(|()| buffer.flush());
     drop(buffer);
-    file.as_file().sync_all().map_err(wrong)?;
+    let filled = filled.and_then(|()| file.as_file().sync_all());
+    let mut part = part();
+    *part = None;
+    filled.map_err(wrong)?;
     file.persist(path).map_err(|error| wrong(error.error))?;
     Ok(())
 }
@@ -141,7 +190,19 @@ pub fn mesh_format(path: &Path) -> Result<Format, FileError> {
         .ok_or_else(|| FileError::new(path, "the ending tells no format that can be written (obj, ply, stl, glb)"))
 }
 
-/// Makes a folder and those above it.
-pub fn make_folder(path: &Path) -> Result<(), FileError> {
-    std::fs::create_dir_all(path).map_err(|error| FileError::new(path, format!("cannot be made: {error}")))
+/// Makes a folder and those above it; whether it was not there before.
+pub fn make_folder(path: &Path) -> Result<bool, FileError> {
+    let new = !path.exists();
+    std::fs::create_dir_all(path).map_err(|error| FileError::new(path, format!("cannot be made: {error}")))?;
+    Ok(new)
+}
+
+/// Refuses what is no folder.
+pub fn check_folder(path: &Path) -> Result<(), FileError> {
+    if path.is_dir() { Ok(()) } else { Err(FileError::new(path, "is no folder")) }
+}
+
+/// Takes a folder away in which nothing has been put.
+pub fn remove_empty_folder(path: &Path) {
+    _ = std::fs::remove_dir(path);
 }

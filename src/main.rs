@@ -9,7 +9,9 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match commands::run(commands::Cli::parse()) {
+    let cli = commands::Cli::parse();
+    progress::hear_interruptions();
+    match commands::run(cli) {
         Ok(code) => code,
         Err(error) => {
             eprintln!("error: {error}");

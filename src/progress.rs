@@ -1,8 +1,7 @@
 //! Progress bars, clocks and interruption for the command.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 /// A bar that shows itself when the work has taken half a second, on a terminal only.
@@ -10,21 +9,21 @@ pub struct Progress {
     bar: ProgressBar,
     begun: Instant,
     shown: bool,
-    interrupted: Arc<AtomicBool>,
 }
 
 /// Shorter work shows no bar.
 const SILENT: Duration = Duration::from_millis(500);
 
 impl Progress {
-    /// A bar of `length` steps that hears of Ctrl-C.
-    pub fn new(what: &'static str, length: u64, interrupted: &Arc<AtomicBool>) -> Self {
+    /// A bar of `length` steps that hears of Ctrl-C as long as it lives.
+    pub fn new(what: &'static str, length: u64) -> Self {
+        LISTENING.fetch_add(1, Ordering::SeqCst);
         let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::hidden());
         let style = ProgressStyle::with_template("{msg:12} [{bar:40}] {percent:>3} %  {eta} left")
             .expect("the template is constant");
         bar.set_style(style.progress_chars("=> "));
         bar.set_message(what);
-        Self { bar, begun: Instant::now(), shown: false, interrupted: interrupted.clone() }
+        Self { bar, begun: Instant::now(), shown: false }
     }
 
     /// Notes progress; whether to go on.
@@ -34,28 +33,39 @@ impl Progress {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
         }
         self.bar.set_position(position);
-        !self.interrupted.load(Ordering::Relaxed)
+        !interrupted()
     }
 }
 
 impl Drop for Progress {
     fn drop(&mut self) {
+        LISTENING.fetch_sub(1, Ordering::SeqCst);
         self.bar.finish_and_clear();
     }
 }
 
-/// A flag that Ctrl-C raises, so that long work can stop and leave nothing half-written. A second Ctrl-C ends at once.
-pub fn interruption() -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let raised = flag.clone();
-    let heard = ctrlc::set_handler(move || {
-        if raised.swap(true, Ordering::Relaxed) {
+/// Whether somebody has pressed Ctrl-C.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+/// How many pieces of work look at it.
+static LISTENING: AtomicU32 = AtomicU32::new(0);
+
+/// Whether somebody has asked to stop: what was done since may be cut short, and is not to be written.
+pub fn interrupted() -> bool {
+    INTERRUPTED.load(Ordering::SeqCst)
+}
+
+/// From here on Ctrl-C leaves nothing half-written: work that listens stops by itself; other work ends at once, and so
+/// does any after a second Ctrl-C.
+pub fn hear_interruptions() {
+    let heard = ctrlc::set_handler(|| {
+        let again = INTERRUPTED.swap(true, Ordering::SeqCst);
+        if again || LISTENING.load(Ordering::SeqCst) == 0 {
+            let _no_other_begins = crate::files::discard_part();
             std::process::exit(130);
         }
     });
-    // Without a handler Ctrl-C ends the process, and temporary files are still not what was asked for.
+    // Without a handler Ctrl-C ends the process all the same.
     drop(heard);
-    flag
 }
 
 /// Wall and CPU seconds of a piece of work.

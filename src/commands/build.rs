@@ -2,7 +2,7 @@
 
 use super::{CommandError, print_json, print_text};
 use crate::files::{self, FileError};
-use crate::progress::{Clock, Progress, interruption, peak_bytes};
+use crate::progress::{Clock, Progress, interrupted, peak_bytes};
 use clap::{Args, ValueEnum};
 use mt_core::analysis::{Analysis, AnalysisError, Options, Stopped, Unfit, simplify};
 use mt_core::container::{self, Meta};
@@ -11,7 +11,8 @@ use mt_core::{ErrorKind, Mesh, MultiTessellation, RefusalCounts, history};
 use operators::EdgeCollapse;
 use operators::edge_collapse::{BoundaryRule, Placement};
 use serde_json::json;
-use std::path::PathBuf;
+use std::io::BufRead;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 #[derive(Args)]
@@ -96,6 +97,9 @@ impl Operator {
 
 impl Build {
     pub fn run(self) -> Result<ExitCode, CommandError> {
+        files::check_output(&self.output, "a model", "mt")?;
+        let history = self.history.as_deref().map(|path| files::open_lines(path).map(|lines| (path, lines)));
+        let history = history.transpose()?;
         let clock = Clock::start();
         let non_manifold = match self.non_manifold {
             Sheets::Refuse => NonManifold::Keep,
@@ -107,8 +111,8 @@ impl Build {
             eprint!("{report}");
         }
         let clock = Clock::start();
-        let (analysis, operator) = match &self.history {
-            Some(path) => (self.replay(&mesh, path)?, "history".to_owned()),
+        let (analysis, operator) = match history {
+            Some((path, lines)) => (replay(&mesh, path, lines)?, "history".to_owned()),
             None => self.analyse(&mesh)?,
         };
         let (analysis_s, analysis_cpu_s) = (clock.wall(), clock.cpu());
@@ -139,10 +143,10 @@ impl Build {
                 Errors::Measured => ErrorKind::Measured,
             },
         };
-        let mut progress = Progress::new("coarsening", mesh.cell_count() as u64, &interruption());
+        let mut progress = Progress::new("coarsening", mesh.cell_count() as u64);
         let analysis = simplify(mesh, &operator, &options, &mut |at| progress.at((at.cells_in - at.cells) as u64));
         let analysis = analysis.map_err(|error| self.explain(error))?;
-        if analysis.stopped == Stopped::Cancelled {
+        if analysis.stopped == Stopped::Cancelled || interrupted() {
             return Err(CommandError::Interrupted);
         }
         let name = if operator.placement == Placement::Optimal { "edge-collapse" } else { "half-edge-collapse" };
@@ -155,17 +159,6 @@ impl Build {
             _ => "",
         };
         FileError::new(&self.model, format!("{error}{way_out}")).into()
-    }
-
-    fn replay(&self, mesh: &Mesh<3>, path: &std::path::Path) -> Result<Analysis<3>, CommandError> {
-        let wrong = |what: String| CommandError::File(FileError::new(path, what));
-        let model = history::read(mesh, files::open_lines(path)?).map_err(|error| wrong(error.to_string()))?;
-        // A history from elsewhere is not believed before its modifications conform.
-        mt_core::check::conformity(&model).map_err(|breach| {
-            let line = breach.node.map_or(String::new(), |m| format!("modification {}: ", m.0 + 1));
-            wrong(format!("{line}{}", breach.what))
-        })?;
-        Ok(Analysis { model, refusals: RefusalCounts::default(), stopped: Stopped::Exhausted })
     }
 
     fn meta(&self, analysis: &Analysis<3>, operator: String, report: &LoadReport) -> Meta {
@@ -216,6 +209,17 @@ impl Build {
         }));
         debug_assert!(self.threads >= 1);
     }
+}
+
+fn replay(mesh: &Mesh<3>, path: &Path, lines: impl BufRead) -> Result<Analysis<3>, CommandError> {
+    let wrong = |what: String| CommandError::File(FileError::new(path, what));
+    let model = history::read(mesh, lines).map_err(|error| wrong(error.to_string()))?;
+    // A history from elsewhere is not believed before its modifications conform.
+    mt_core::check::conformity(&model).map_err(|breach| {
+        let line = breach.node.map_or(String::new(), |m| format!("modification {}: ", m.0 + 1));
+        wrong(format!("{line}{}", breach.what))
+    })?;
+    Ok(Analysis { model, refusals: RefusalCounts::default(), stopped: Stopped::Exhausted })
 }
 
 struct Seconds {

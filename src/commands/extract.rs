@@ -28,6 +28,7 @@ pub struct Extract {
 impl Extract {
     pub fn run(self) -> Result<ExitCode, CommandError> {
         files::mesh_format(&self.output)?;
+        files::check_place(&self.output)?;
         let camera = self.selection.load_camera()?;
         let (model, _) = files::load_triangles(&self.model)?;
         let clock = Clock::start();

@@ -18,6 +18,7 @@ pub struct History {
 
 impl History {
     pub fn run(self) -> Result<ExitCode, CommandError> {
+        files::check_output(&self.output, "a history", "jsonl")?;
         let (model, _) = files::load_model(&self.model)?;
         files::write(&self.output, |mut out| match &model {
             Model::Triangles(model) => history::write(model, &mut out),

@@ -65,9 +65,7 @@ fn parse_size(text: &str) -> Result<(u32, u32), String> {
 
 impl Render {
     pub fn run(self) -> Result<ExitCode, CommandError> {
-        if self.output.extension().and_then(|e| e.to_str()) != Some("png") {
-            return Err(files::FileError::new(&self.output, "pictures are written as png").into());
-        }
+        files::check_output(&self.output, "a picture", "png")?;
         if self.overlay.contains(&Overlay::Error) && self.overlay.contains(&Overlay::Level) {
             return Err(CommandError::Other("colours show either error or level, not both".into()));
         }

@@ -2,8 +2,9 @@
 
 use super::{CommandError, print_text};
 use crate::files::{self, FileError};
-use crate::progress::{Progress, interruption};
+use crate::progress::{Progress, interrupted};
 use clap::Args;
+use mt_core::analysis::{AnalysisError, Unfit};
 use mt_core::format::{LoadOptions, NonManifold};
 use papers::study::{self, Config, Results, StudyError, Subject};
 use std::path::{Path, PathBuf};
@@ -33,18 +34,45 @@ impl Study {
             return Err(CommandError::Other("--pixels must be a number, 0 or more".into()));
         }
         let subjects = self.subjects()?;
-        files::make_folder(&self.output)?;
-        let config = Config { frames: self.frames, error_px: self.pixels, ..Config::default() };
-        let mut progress = Progress::new("studying", 1000, &interruption());
-        let results = study::run(&subjects, &config, &mut |_, share| progress.at((share * 1000.0) as u64));
-        drop(progress);
-        let results = results.map_err(|error| match error {
-            StudyError::Cancelled => CommandError::Interrupted,
-            other => CommandError::Other(other.to_string()),
-        })?;
+        let new_folder = files::make_folder(&self.output)?;
+        let results = self.observe(&subjects);
+        if results.is_err() && new_folder {
+            files::remove_empty_folder(&self.output);
+        }
+        let results = results?;
         self.write(&results)?;
         print_text(&summary(&results, &self.output));
         Ok(ExitCode::SUCCESS)
+    }
+
+    fn observe(&self, subjects: &[Subject]) -> Result<Results, CommandError> {
+        let config = Config { frames: self.frames, error_px: self.pixels, ..Config::default() };
+        let mut progress = Progress::new("studying", 1000);
+        let results = study::run(subjects, &config, &mut |_, share| progress.at((share * 1000.0) as u64));
+        drop(progress);
+        match results {
+            Err(StudyError::Cancelled) => Err(CommandError::Interrupted),
+            Ok(_) if interrupted() => Err(CommandError::Interrupted),
+            results => results.map_err(|error| self.explain(error)),
+        }
+    }
+
+    /// Names the file at fault, and the way out where there is one.
+    fn explain(&self, error: StudyError) -> CommandError {
+        let way_out = match error {
+            StudyError::Analysis(_, AnalysisError::Unfit(Unfit::NonManifold { .. })) => {
+                "; --split-non-manifold separates the sheets"
+            }
+            _ => "",
+        };
+        let path = match &error {
+            StudyError::Analysis(name, _) => self.models.iter().find(|path| name_of(path) == *name),
+            _ => None,
+        };
+        match (error, path) {
+            (StudyError::Analysis(_, error), Some(path)) => FileError::new(path, format!("{error}{way_out}")).into(),
+            (error, _) => CommandError::Other(format!("{error}{way_out}")),
+        }
     }
 
     fn subjects(&self) -> Result<Vec<Subject>, CommandError> {
@@ -56,7 +84,7 @@ impl Study {
         for path in &self.models {
             let (mesh, report) = files::load_mesh(path, &LoadOptions { non_manifold, ..LoadOptions::default() })?;
             eprint!("{report}");
-            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let name = name_of(path);
             if subjects.iter().any(|other| other.name == name) {
                 return Err(FileError::new(path, "another model of the study has the same name").into());
             }
@@ -76,6 +104,11 @@ impl Study {
         // The page comes last: where it is, everything it tells of is.
         Ok(files::write_bytes(&at("index.html"), study::page(results).as_bytes())?)
     }
+}
+
+/// What a model is called in the study: its file without the ending.
+fn name_of(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn summary(results: &Results, folder: &Path) -> String {

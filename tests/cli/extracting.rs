@@ -10,7 +10,7 @@ fn count(room: &Room, criterion: &str, strategy: &str) -> u64 {
     let told = room.good(&format!("extract ball.mt {criterion} --strategy {strategy} -o out.ply --json")).json();
     let triangles = told["triangles"].as_u64().unwrap();
     assert_eq!(room.mesh("out.ply").cell_count() as u64, triangles);
-    assert_eq!(told["complete"], !criterion.contains("--cells"), "{criterion}: {told}");
+    assert!(told["complete"] == true || criterion.contains("--cells"), "{criterion}: {told}");
     triangles
 }
 

@@ -27,25 +27,32 @@ fn interrupted(room: &Room, arguments: &str, pauses: &[Duration]) -> (Option<i32
 fn an_interrupted_build_leaves_nothing() {
     let room = Room::new();
     room.put("terrain.ply", &generate::terrain(316, 0.5, 3));
-    for (at, pauses) in [vec![600], vec![30], vec![250, 1]].into_iter().enumerate() {
-        let pauses: Vec<_> = pauses.into_iter().map(Duration::from_millis).collect();
-        let (code, errors, seconds) = interrupted(&room, "build terrain.ply -o terrain.mt --json", &pauses);
-        assert_ne!(code, Some(0), "case {at}: {errors}");
+    // Undisturbed first, to know when it is busy with what.
+    let told = room.good("build terrain.ply -o terrain.mt --json").json();
+    std::fs::remove_file(room.path("terrain.mt")).unwrap();
+    let [load, analysis] = ["load_s", "analysis_s"].map(|key| told[key].as_f64().unwrap());
+    let coarsening = load + 0.4 * analysis;
+    for pauses in [vec![coarsening], vec![load * 0.5], vec![coarsening, 0.001]] {
+        let durations: Vec<_> = pauses.iter().copied().map(Duration::from_secs_f64).collect();
+        let (code, errors, seconds) = interrupted(&room, "build terrain.ply -o terrain.mt --json", &durations);
+        assert_ne!(code, Some(0), "after {pauses:?} s: {errors}");
         assert!(!errors.contains("panicked"), "{errors}");
         assert!(seconds < 5.0, "it took {seconds:.1} s to hear");
-        assert_eq!(room.files(), ["terrain.ply"], "case {at}: {errors}");
+        assert_eq!(room.files(), ["terrain.ply"], "after {pauses:?} s: {errors}");
+        if pauses == [coarsening] {
+            assert_eq!((code, errors.trim()), (Some(1), "error: interrupted; nothing was written"));
+        }
     }
 }
 
 #[test]
-fn a_build_that_was_coarsening_says_so() {
+fn an_interrupted_study_leaves_nothing() {
     let room = Room::new();
-    // Large enough for any machine to be busy with after half a second; loading is done by then.
-    room.put("terrain.ply", &generate::terrain(316, 0.5, 4));
-    let pauses = [Duration::from_millis(500)];
-    let (code, errors, _) = interrupted(&room, "build terrain.ply -o t.mt --errors measured --json", &pauses);
-    assert_eq!((code, errors.trim()), (Some(1), "error: interrupted; nothing was written"));
-    assert_eq!(room.files(), ["terrain.ply"]);
+    room.put("terrain.ply", &generate::terrain(200, 0.5, 4));
+    let (code, errors, _) = interrupted(&room, "study terrain.ply -o report", &[Duration::from_millis(150)]);
+    assert_ne!(code, Some(0), "{errors}");
+    assert!(!errors.contains("panicked"), "{errors}");
+    assert_eq!(room.files(), ["terrain.ply"], "{errors}");
 }
 
 #[test]

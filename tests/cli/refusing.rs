@@ -47,7 +47,7 @@ fn what_is_not_there_is_named() {
     }
     room.refused("build ball.ply --history missing.jsonl -o out.mt", "missing.jsonl");
     room.refused("build ball.ply --history folder -o out.mt", "folder");
-    room.refused("build ball.ply --history empty.mt -o out.mt", "empty.mt");
+    room.refused("build ball.ply --history empty.mt -o out.mt --json", "empty.mt");
 }
 
 #[test]
@@ -183,7 +183,7 @@ fn a_history_with_a_bad_line_is_refused() {
         (with(2, "not JSON"), "line 3"),
         (with(2, "[]"), "line 3"),
         (with(2, &lines[2].replace("\"kill\"", "\"slay\"")), "line 3"),
-        (with(2, &lines[2].replace("\"error\":", "\"error\":-")), "line 3"),
+        (with(2, &lines[2].replace("\"error\":", "\"error\":-1")), "line 3"),
         (with(2, &lines[2].replace("\"kill\":[", "\"kill\":[9999,")), "line 3"),
         (with(2, lines[1]), "line 3"),
         (with(0, lines[1]), "line 1"),

@@ -52,7 +52,7 @@ fn same_counts(rows: &[Vec<&str>]) {
 /// Nothing in the page is loaded from elsewhere: not from the network, and not from beside it.
 fn stands_alone(page: &str) {
     assert!(page.contains("<html") && page.contains("</html>"), "a whole page");
-    for mark in ["src=", "href="] {
+    for mark in ["src=", "href=", "url("] {
         for (at, _) in page.match_indices(mark) {
             let value = page[at + mark.len()..].trim_start_matches(['"', '\'']);
             let inside = value.starts_with("data:") || value.starts_with('#');
@@ -61,7 +61,7 @@ fn stands_alone(page: &str) {
     }
     // A namespace is a name that looks like an address; nobody goes there.
     let names = page.replace("http://www.w3.org/2000/svg", "").replace("http://www.w3.org/1999/xlink", "");
-    for mark in ["http:", "https:", "url(", "@import", "<link", "<iframe"] {
+    for mark in ["http:", "https:", "@import", "<link", "<iframe"] {
         assert!(!names.contains(mark), "{mark} in the page");
     }
 }
