@@ -42,12 +42,7 @@ struct Canvas {
 impl Gpu {
     /// The first adapter that offers itself, hardware before software.
     pub(crate) fn open() -> Result<Self, RenderError> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let wish = wgpu::RequestAdapterOptions {
-            power_preference: wgpu::PowerPreference::HighPerformance,
-            ..Default::default()
-        };
-        let adapter = pollster::block_on(instance.request_adapter(&wish)).map_err(no_gpu)?;
+        let adapter = adapter()?;
         let offered = adapter.limits();
         let limits = wgpu::Limits {
             max_buffer_size: offered.max_buffer_size,
@@ -332,4 +327,18 @@ impl Kind<'_> {
             cache: None,
         })
     }
+}
+
+/// The first adapter of the modern backends, else of OpenGL, whose drivers talk on standard error as soon as they are
+/// asked. `WGPU_BACKEND` overrides both.
+fn adapter() -> Result<wgpu::Adapter, RenderError> {
+    let wish =
+        wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
+    let wanted = wgpu::Backends::from_env();
+    let ask = |backends: wgpu::Backends| {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+        descriptor.backends = wanted.unwrap_or(backends);
+        pollster::block_on(wgpu::Instance::new(descriptor).request_adapter(&wish))
+    };
+    ask(wgpu::Backends::PRIMARY).or_else(|_| ask(wgpu::Backends::all())).map_err(no_gpu)
 }
