@@ -70,12 +70,12 @@ pub enum Model {
 pub fn load_model(path: &Path) -> Result<(Model, Meta), FileError> {
     let bytes = read(path)?;
     let wrong = |error| FileError::new(path, error);
-    let meta = container::read_meta(&bytes).map_err(wrong)?;
-    match meta.corners {
+    let container = container::open(&bytes).map_err(wrong)?;
+    match container.meta().corners {
         4 => {
-            container::read::<4>(&bytes).map(|(model, meta)| (Model::Tetrahedra(Box::new(model)), meta)).map_err(wrong)
+            container.model::<4>().map(|(model, meta)| (Model::Tetrahedra(Box::new(model)), meta)).map_err(wrong)
         }
-        _ => container::read::<3>(&bytes).map(|(model, meta)| (Model::Triangles(Box::new(model)), meta)).map_err(wrong),
+        _ => container.model::<3>().map(|(model, meta)| (Model::Triangles(Box::new(model)), meta)).map_err(wrong),
     }
 }
 

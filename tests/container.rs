@@ -62,7 +62,7 @@ fn every_flipped_byte_is_refused() {
 fn a_newer_version_is_refused_by_number() {
     let mut bytes = small();
     bytes[8] = 9;
-    assert_eq!(container::read_meta(&bytes), Err(ContainerError::Newer(9)));
+    assert_eq!(container::open(&bytes).err(), Some(ContainerError::Newer(9)));
 }
 
 /// Bytes whose checksums fit, but whose arrays are nonsense: the checksum is no proof of good will.

@@ -79,11 +79,27 @@ fn crack_freeness_sees_a_missing_cell() {
     let model = good();
     let domain = check::conformity(&model).unwrap();
     let mut cells = model.reference().cells;
-    check::crack_free(&cells, model.positions(), &domain).unwrap();
+    check::crack_free(&cells, model.positions(), &domain, &domain.base_boundary).unwrap();
     let lost = cells.pop().unwrap();
-    assert_eq!(check::crack_free(&cells, model.positions(), &domain).unwrap_err().law, Law::CrackFree);
+    assert_eq!(check::crack_free(&cells, model.positions(), &domain, &domain.base_boundary).unwrap_err().law, Law::CrackFree);
     cells.extend([lost, lost]);
-    assert_eq!(check::crack_free(&cells, model.positions(), &domain).unwrap_err().law, Law::CrackFree);
+    assert_eq!(check::crack_free(&cells, model.positions(), &domain, &domain.base_boundary).unwrap_err().law, Law::CrackFree);
+}
+
+#[test]
+fn crack_freeness_sees_an_ear_that_floats() {
+    // A triangle of a strip without those behind it: its edges are boundary in one mesh or another, but not in this one.
+    let strip = generate::strip(8);
+    let model = model_of(&strip, &EdgeCollapse::HALF);
+    let domain = check::conformity(&model).unwrap();
+    let boundary = domain.boundary_at(&Front::reference(model.len()));
+    check::crack_free(&strip.cells, &strip.positions, &domain, &boundary).unwrap();
+    for gone in 0..strip.cells.len() {
+        let mut cells = strip.cells.clone();
+        cells.remove(gone);
+        let breach = check::crack_free(&cells, &strip.positions, &domain, &boundary).unwrap_err();
+        assert_eq!(breach.law, Law::CrackFree);
+    }
 }
 
 #[test]
@@ -95,7 +111,7 @@ fn crack_freeness_sees_a_pinch_by_umbrellas() {
     let other = ball.cells.iter().map(|cell| cell.map(|v| if v.0 == 0 { v } else { VertexId(v.0 + shift) }));
     let cells: Vec<_> = ball.cells.iter().copied().chain(other).collect();
     let positions = [ball.positions.as_slice(), &ball.positions[1..]].concat();
-    let breach = check::crack_free(&cells, &positions, &domain).unwrap_err();
+    let breach = check::crack_free(&cells, &positions, &domain, &domain.base_boundary).unwrap_err();
     assert!(breach.what.contains("umbrella"), "{breach}");
 }
 
@@ -105,12 +121,17 @@ fn crack_freeness_sees_a_planar_fold() {
     let model = model_of(&flat, &EdgeCollapse::FULL);
     let domain = check::conformity(&model).unwrap();
     assert!(domain.content.is_some());
+    let boundary = domain.boundary_at(&Front::reference(model.len()));
+    let judge = |cells: &[Cell<3>], positions: &[glam::Vec3]| check::crack_free(cells, positions, &domain, &boundary);
+    judge(&flat.cells, &flat.positions).unwrap();
     let mut positions = flat.positions.clone();
-    let inner = (0..positions.len())
-        .find(|&v| check::crack_free(&flat.cells, &positions, &domain).is_ok() && v == 3 * 7 + 3)
-        .unwrap();
-    positions[inner].x += 50.0;
-    assert_eq!(check::crack_free(&flat.cells, &positions, &domain).unwrap_err().law, Law::CrackFree);
+    positions[3 * 7 + 3].x += 50.0;
+    assert_eq!(judge(&flat.cells, &positions).unwrap_err().law, Law::CrackFree);
+    // The whole sheet turned over is the same for every test that looks at neighbours only.
+    let turned: Vec<Cell<3>> = flat.cells.iter().map(|cell| [cell[1], cell[0], cell[2]]).collect();
+    assert!(judge(&turned, &flat.positions).unwrap_err().what.contains("turned over"));
+    // Boundary that is missing is a crack too.
+    assert!(judge(&[], &flat.positions).unwrap_err().what.contains("not there"));
 }
 
 #[test]
@@ -151,6 +172,8 @@ enum Fault {
     RefineForgetsOneCell,
     CoarsenSwapsCells,
     RefineLooksAtTheMesh,
+    RefineTellsOfOneCellTooFew,
+    PrerequisitesNameTheRefined,
     PrerequisitesForgetSome,
     ObstaclesAlwaysNow,
     NeedsPointBackwards,
@@ -201,8 +224,10 @@ impl MultiTessellation<3> for Faulty {
     fn prerequisites(&self, m: NodeId, view: &View<Alive>, out: &mut Vec<NodeId>) {
         let before = out.len();
         self.model.prerequisites(m, view, out);
-        if self.fault == Fault::PrerequisitesForgetSome && m.0.is_multiple_of(3) {
-            out.truncate(before);
+        match self.fault {
+            Fault::PrerequisitesForgetSome if m.0.is_multiple_of(3) => out.truncate(before),
+            Fault::PrerequisitesNameTheRefined => out.extend(view.front.finest_first().last()),
+            _ => {}
         }
     }
     fn obstacles(&self, m: NodeId, view: &View<Alive>, out: &mut Vec<NodeId>) -> Coarsen {
@@ -210,6 +235,12 @@ impl MultiTessellation<3> for Faulty {
     }
     fn refine(&self, m: NodeId, mesh: &mut Alive, sink: &mut impl Sink<3>) {
         let odd = mesh.count() % 4 < 2;
+        if self.fault == Fault::RefineTellsOfOneCellTooFew {
+            self.model.refine(m, mesh, &mut ());
+            self.model.coarse_side(m).for_each(|cell| sink.kill(cell));
+            self.model.fine_side(m).iter().skip(1).for_each(|&cell| sink.make(cell, *self.model.corners(cell)));
+            return;
+        }
         self.model.refine(m, mesh, sink);
         if self.fault == Fault::RefineLooksAtTheMesh && m.0.is_multiple_of(7) && odd {
             mesh.remove(self.model.fine_side(m)[0].0);
@@ -233,7 +264,7 @@ fn faulty(fault: Fault) -> (Faulty, View<Alive>) {
     let mut state = State::new(&model, ());
     // The upper half by rank is closed, and both refined and coarse nodes are next to it.
     let front = Front::from_nodes(model.len(), (model.len() / 2..model.len()).map(NodeId));
-    approach(&model, &front, None, &mut state);
+    approach(&model, &front, &mut state);
     let view = state.view;
     (Faulty { model, fault }, view)
 }
@@ -256,6 +287,30 @@ fn front_determines_mesh_sees_a_step_that_depends_on_the_way() {
     }
     let breach = check::front_determines_mesh(&model, &view, &mut Random::new(1)).unwrap_err();
     assert_eq!(breach.law, Law::FrontDeterminesMesh);
+}
+
+#[test]
+fn front_determines_mesh_sees_a_sink_that_is_told_something_else() {
+    let (model, view) = faulty(Fault::RefineTellsOfOneCellTooFew);
+    let breach = check::front_determines_mesh(&model, &view, &mut Random::new(1)).unwrap_err();
+    assert!(breach.what.contains("sink"), "{breach}");
+}
+
+#[test]
+fn order_sees_a_model_that_waits_for_what_is_there() {
+    // An engine that believed it would never end.
+    let (model, view) = faulty(Fault::PrerequisitesNameTheRefined);
+    let breach = check::front_determines_mesh(&model, &view, &mut Random::new(1)).unwrap_err();
+    assert_eq!(breach.law, Law::Order);
+    let breach = check::inverse(&model, &mut view.clone(), &mut Random::new(1), 50).unwrap_err();
+    assert!(matches!(breach.law, Law::Order | Law::Inverse));
+}
+
+#[test]
+fn order_from_cells_agrees_where_nothing_is_wrong() {
+    for seed in 0..20 {
+        check::order_from_cells(&model_of(&generate::random_mesh(seed).mesh, &EdgeCollapse::HALF)).unwrap();
+    }
 }
 
 #[test]
@@ -283,7 +338,7 @@ fn minimality_sees_bounds_that_do_not_grow_towards_the_roots() {
     let model = broken(|parts| parts.bounds[0].error = 1e3);
     let mut random = Random::new(1);
     let view = model.base_view();
-    let breach = (0..200).find_map(|_| verify::minimality(&model, &view, &mut random).err());
+    let breach = (0..200).find_map(|_| verify::minimality(&model, model.order(), &view, &mut random).err());
     assert_eq!(breach.map(|b| b.law), Some(Law::Minimality));
 }
 
@@ -343,4 +398,37 @@ fn an_operator_without_the_link_condition_is_found_out_with_a_small_counterexamp
     let (law, size) = verdict(&model).expect("the torus was pinched");
     assert!(matches!(law, Law::CrackFree | Law::Conformity), "{law}");
     assert!(size < model.len() / 2, "{size} of {} nodes", model.len());
+}
+
+/// An operator that answers differently from one run to the next.
+struct Moody(std::sync::atomic::AtomicU32);
+
+impl Operator<3> for Moody {
+    type Site = <EdgeCollapse as Operator<3>>::Site;
+    type Aux = <EdgeCollapse as Operator<3>>::Aux;
+
+    fn name(&self) -> &'static str {
+        "moody"
+    }
+    fn prepare(&self, draft: &Draft<3>, sites: &mut Vec<Self::Site>) -> Result<Self::Aux, Unfit> {
+        EdgeCollapse::FULL.prepare(draft, sites)
+    }
+    fn price(&self, draft: &Draft<3>, aux: &Self::Aux, site: Self::Site) -> Option<f64> {
+        let mood = self.0.fetch_add(1, std::sync::atomic::Ordering::Relaxed) % 7;
+        Some(EdgeCollapse::FULL.price(draft, aux, site)? * f64::from(1 + mood))
+    }
+    fn plan(&self, draft: &Draft<3>, aux: &Self::Aux, site: Self::Site, plan: &mut Plan<3>) -> Result<(), Refusal> {
+        EdgeCollapse::FULL.plan(draft, aux, site, plan)
+    }
+    fn applied(&self, draft: &Draft<3>, aux: &mut Self::Aux, plan: &Plan<3>, again: &mut Vec<Self::Site>) {
+        EdgeCollapse::FULL.applied(draft, aux, plan, again);
+    }
+}
+
+#[test]
+fn determinism_sees_an_operator_with_moods() {
+    let mesh = generate::bumpy_sphere(2, 0.1, 4);
+    assert_eq!(verify::determinism(&mesh, &EdgeCollapse::FULL), Ok(()));
+    let breach = verify::determinism(&mesh, &Moody(Default::default())).unwrap_err();
+    assert_eq!(breach.law, Law::Determinism);
 }

@@ -35,7 +35,7 @@ proptest! {
     #[test]
     fn the_same_input_gives_the_same_model(mesh_seed in any::<u64>(), operator in operator()) {
         let mesh = generate::random_mesh(mesh_seed).mesh;
-        prop_assert_eq!(model_of(&mesh, &operator), model_of(&mesh, &operator));
+        prop_assert_eq!(verify::determinism(&mesh, &operator), Ok(()));
     }
 
     #[test]
@@ -63,6 +63,18 @@ proptest! {
         for m in 0..model.len() {
             prop_assert!(model.bound(mt_core::NodeId(m)).error <= most);
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 32, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_locked_boundary_stays_vertex_by_vertex(mesh_seed in any::<u64>(), half in any::<bool>()) {
+        let mesh = generate::random_mesh(mesh_seed).mesh;
+        let kind = if half { EdgeCollapse::HALF } else { EdgeCollapse::FULL };
+        let model = model_of(&mesh, &EdgeCollapse { boundary: BoundaryRule::Locked, ..kind });
+        prop_assert!(check::conformity(&model).unwrap().boundary_fixed);
     }
 }
 

@@ -46,7 +46,7 @@ impl Bound {
     /// Whether `self` contains `other`, in every part.
     pub fn contains(&self, other: &Bound) -> bool {
         let apart = self.center.as_dvec3().distance(other.center.as_dvec3());
-        apart + f64::from(other.radius) <= f64::from(self.radius)
+        is_within(apart, f64::from(other.radius), f64::from(self.radius))
             && self.error >= other.error
             && self.cone.contains(other.cone)
     }
@@ -63,6 +63,11 @@ fn up(length: f64) -> f32 {
     ((length * (1.0 + 1e-14)) as f32).next_up()
 }
 
+/// Whether a sphere lies within another whose centre is `apart` from its own; no when rounding could decide it.
+fn is_within(apart: f64, radius: f64, outer: f64) -> bool {
+    if apart == 0.0 { radius <= outer } else { (apart + radius) * (1.0 + 1e-15) <= outer }
+}
+
 fn sphere_around(points: &[Vec3]) -> (Vec3, f32) {
     let Some(&first) = points.first() else { return (Vec3::ZERO, 0.0) };
     let (low, high) = points.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
@@ -75,10 +80,10 @@ fn sphere_union(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
     let (center_a, center_b) = (a.0.as_dvec3(), b.0.as_dvec3());
     let (radius_a, radius_b) = (f64::from(a.1), f64::from(b.1));
     let apart = center_a.distance(center_b);
-    if apart + radius_b <= radius_a {
+    if is_within(apart, radius_b, radius_a) {
         return a;
     }
-    if apart + radius_a <= radius_b {
+    if is_within(apart, radius_a, radius_b) {
         return b;
     }
     let center = center_a.lerp(center_b, 0.5 + (radius_b - radius_a) / (2.0 * apart)).as_vec3();

@@ -1,7 +1,7 @@
 //! A simplicial complex that changes: cells, and the star of each vertex. No position is in sight.
 //!
 //! The star of a vertex is a list threaded through the corners of its cells, so a
-//! cell costs `8 N` bytes and a vertex 4, nothing is allocated while cells come
+//! cell of three corners costs 32 bytes and a vertex 4, nothing is allocated while cells come
 //! and go, and a complex need not be a manifold.
 
 use crate::cell::{Cell, Facet, facet};

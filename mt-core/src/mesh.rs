@@ -63,7 +63,8 @@ pub fn area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// Six times the signed volume of a tetrahedron; positive when `d` lies on the side from which `a b c` turns clockwise.
+/// Six times the signed volume of a tetrahedron; positive when `d` lies on the side from which `a b c` turns
+/// counter-clockwise.
 pub fn volume_six([a, b, c, d]: [DVec3; 4]) -> f64 {
     (b - a).cross(c - a).dot(d - a)
 }

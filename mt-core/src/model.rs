@@ -172,7 +172,7 @@ pub fn cells_of<const N: usize, M: MultiTessellation<N>>(model: &M, mesh: &M::Me
     cells
 }
 
-/// The mesh of a view by itself: cells in the model's order, vertices without a cell dropped.
+/// The mesh of a view by itself: cells in the model's order, vertices without a cell dropped. O(vertices of the model).
 pub fn mesh_of<const N: usize, M: MultiTessellation<N>>(model: &M, mesh: &M::Mesh) -> crate::Mesh<N> {
     let cells = cells_of(model, mesh).into_iter().map(|(_, corners)| corners).collect();
     crate::Mesh { positions: model.positions().to_vec(), cells }.compact()

@@ -55,7 +55,7 @@ pub struct Patch<const N: usize> {
 
 impl<const N: usize> Patch<N> {
     /// The facets in which the boundaries of the two sides differ: those of the fine side alone, and of the coarse
-    /// side alone. A modification conforms when none of them is shared with a cell outside the patch. O(patch²).
+    /// side alone. A modification conforms when none of them is shared with a cell outside the patch. O(patch log patch).
     ///
     /// A boundary is what an odd number of cells has; a facet that one cell has counts with its orientation, so a
     /// patch turned inside out differs from itself.

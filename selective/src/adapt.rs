@@ -13,9 +13,10 @@ use std::time::Instant;
 /// front is judged and refined. O(front + changes). Under a time limit the expansion goes by urgency; what is left out
 /// is made up for by later calls. The limit is on steps: the front is always judged once, some ten nanoseconds a node.
 ///
-/// Under a budget of cells the front that fits is found first, by priority from the base mesh, and then approached by
-/// the steps that are missing, so the mesh never has too many cells and a still camera comes to rest at once.
-/// O(front log front + changes).
+/// Under a budget of cells the front that fits is found first, by priority from the base mesh and in a view of its own,
+/// and then approached by the steps that are missing, so a still camera comes to rest at once. O(front log front +
+/// changes), and memory for a second view. A time limit bounds the approach, not the search; and it waits until the mesh
+/// is within the budget.
 pub fn adapt<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     model: &M,
     criterion: &impl Criterion<M::Bound>,
@@ -25,7 +26,8 @@ pub fn adapt<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     let deadline = limits.deadline();
     if limits.cells.is_some() {
         let (target, wanted) = extract(model, criterion, &Limits { time: None, ..*limits }, Strategy::Priority, ());
-        let reached = approach(model, &target.view.front, deadline, state);
+        let until = Until { deadline, cells_max: limits.cells };
+        let reached = approach_until(model, &target.view.front, until, state);
         return Outcome { forced: wanted.forced, complete: reached.complete && wanted.complete, ..reached };
     }
     let start = state.steps.len();
@@ -60,7 +62,7 @@ fn contract<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
         for bit in ones(state.view.front.words()[w]) {
             let m = NodeId(w as u32 * 64 + bit);
             // Judging is cheap and always goes through, so that however little time there is, calls make progress.
-            let content = criterion.excess(&model.bound(m), true) <= 0.0;
+            let content = !criterion.asks(&model.bound(m), true);
             if content && state.try_coarsen(model, m) && is_late(deadline, &mut turn) {
                 return false;
             }
@@ -81,11 +83,28 @@ fn open_below_front<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(model: 
 }
 
 /// Steps from the current front to a closed `target`: coarsens what is not in it, finest first, then refines what is
-/// missing, coarsest first. Every front on the way is closed, and no larger than the larger of the two.
+/// missing, coarsest first. Every front on the way is closed, and no larger than the larger of the two. O(nodes / 64 +
+/// changes).
 pub fn approach<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     model: &M,
     target: &Front,
+    state: &mut State<N, M, S>,
+) -> Outcome {
+    approach_until(model, target, Until::default(), state)
+}
+
+/// When an approach may be left off.
+#[derive(Clone, Copy, Default)]
+struct Until {
     deadline: Option<Instant>,
+    /// Above this many cells it goes on, late or not.
+    cells_max: Option<u32>,
+}
+
+fn approach_until<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
+    model: &M,
+    target: &Front,
+    until: Until,
     state: &mut State<N, M, S>,
 ) -> Outcome {
     let start = state.steps.len();
@@ -98,7 +117,8 @@ pub fn approach<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     nodes.extend(target.difference(&state.view.front));
     nodes[coarsened..].reverse();
     for (i, &m) in nodes.iter().enumerate() {
-        if is_late(deadline, &mut turn) {
+        let fits = until.cells_max.is_none_or(|most| model.cell_count(&state.view.mesh) <= most);
+        if is_late(until.deadline, &mut turn) && fits {
             complete = false;
             break;
         }

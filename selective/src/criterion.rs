@@ -3,7 +3,7 @@
 //! All of these are monotone in the bound: what contains another bound asks for at least as much. Sums are in `f64`, so
 //! that rounding does not undo what saturation has proved.
 
-use glam::{DVec4, Vec3};
+use glam::{DVec4, Vec3, Vec4};
 use mt_core::{Bound, Camera};
 
 /// Judges a modification by its bound.
@@ -13,6 +13,10 @@ pub trait Criterion<B>: Sync {
     /// How far the coarse side is from good enough, in the criterion's own unit; above 0 asks to refine. Larger is more
     /// urgent. Never not a number.
     fn excess(&self, bound: &B, refined: bool) -> f32;
+    /// Whether it asks to refine.
+    fn asks(&self, bound: &B, refined: bool) -> bool {
+        self.excess(bound, refined) > 0.0
+    }
 }
 
 impl<B, C: Criterion<B>> Criterion<B> for &C {
@@ -92,7 +96,7 @@ impl ScreenError {
             eye: camera.eye,
             pixels_per_unit: f64::from(camera.pixels_per_unit()),
             near: f64::from(camera.near),
-            planes: camera.frustum().map(|plane| plane.as_dvec4()),
+            planes: camera.frustum().map(unit_plane),
             error_max_px,
         }
     }
@@ -113,6 +117,12 @@ impl Criterion<Bound> for ScreenError {
         let error_px = f64::from(bound.error) * self.pixels_per_unit / distance.max(self.near);
         (error_px - f64::from(self.error_max_px)) as f32
     }
+}
+
+/// A plane whose normal is at most a unit vector, so that a sphere within another never reaches further than it.
+fn unit_plane(plane: Vec4) -> DVec4 {
+    let plane = plane.as_dvec4();
+    plane / (plane.truncate().length() * (1.0 + 1e-12))
 }
 
 /// A criterion chosen at run time.

@@ -15,8 +15,8 @@ pub enum Strategy {
     Priority,
 }
 
-/// A mesh for `criterion` from the base mesh, with what was done. Without limits the least closed front that holds all
-/// that the criterion asks for. O(steps + nodes judged), with a logarithm for priorities.
+/// A mesh for `criterion` from the base mesh, with what was done. Any limit makes it go by priority. Without limits the least closed front that holds all
+/// that the criterion asks for. O(steps + nodes judged), with a logarithm for priorities, and memory for a [`State`].
 pub fn extract<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     model: &M,
     criterion: &impl Criterion<M::Bound>,
@@ -45,7 +45,7 @@ pub(crate) fn expand<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     let mut asked = 0;
     while let Some(m) = state.scratch.open.pop() {
         let refined = state.view.front.is_refined(m);
-        if criterion.excess(&model.bound(m), refined) <= 0.0 {
+        if !criterion.asks(&model.bound(m), refined) {
             continue;
         }
         let mark = state.steps.len();
@@ -162,7 +162,7 @@ fn chain_gain<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     m: NodeId,
     state: &mut State<N, M, S>,
 ) -> Option<i64> {
-    let chain = &mut state.scratch.chain;
+    let (chain, marked) = (&mut state.scratch.chain, &mut state.scratch.marked);
     chain.push(m);
     let mut at = 0;
     let mut gain = 0i64;
@@ -176,15 +176,10 @@ fn chain_gain<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
         let nodes = &mut state.scratch.nodes;
         nodes.clear();
         model.prerequisites(node, &state.view, nodes);
-        // Chains are short; a chain of thousands is rare enough to be searched through.
-        for &need in nodes.iter() {
-            if !chain.contains(&need) {
-                chain.push(need);
-            }
-        }
+        chain.extend(nodes.iter().copied().filter(|need| marked.insert(need.0)));
         at += 1;
     }
-    chain.clear();
+    chain.drain(..).for_each(|node| _ = marked.remove(node.0));
     known.then_some(gain)
 }
 
@@ -195,7 +190,7 @@ pub fn wish_closure<const N: usize, M: MultiTessellation<N>>(model: &M, criterio
     let mut front = Front::base(model.len());
     let mut needs = Vec::new();
     for m in (0..model.len()).map(NodeId) {
-        if criterion.excess(&model.bound(m), false) > 0.0 {
+        if criterion.asks(&model.bound(m), false) {
             front.set(m, true);
         }
         // What a node needs has a larger id, so its turn comes later.

@@ -1,12 +1,15 @@
 //! The run-time state of one camera: its view, the log of its steps, and scratch memory for the engine.
 
 use mt_core::model::take;
-use mt_core::{Coarsen, Front, MultiTessellation, NodeId, Sink, Step, View};
+use mt_core::{Bits, Coarsen, Front, MultiTessellation, NodeId, Sink, Step, View};
 use serde::Serialize;
 use std::collections::BinaryHeap;
 use std::time::{Duration, Instant};
 
 /// One camera's state of a model. The model is shared and immutable; two cameras are two states.
+///
+/// For an explicit model: a bit for each of its cells, two for each node, the log, and scratch of the size of the front.
+/// Call it with the model that it was made for.
 #[derive(Clone, Debug)]
 pub struct State<const N: usize, M: MultiTessellation<N>, S> {
     /// Front and current mesh.
@@ -22,6 +25,8 @@ pub struct State<const N: usize, M: MultiTessellation<N>, S> {
 pub(crate) struct Scratch {
     /// The chain that is being forced.
     pub(crate) chain: Vec<NodeId>,
+    /// The nodes of the chain that is being counted.
+    pub(crate) marked: Bits,
     /// Answers of the model.
     pub(crate) nodes: Vec<NodeId>,
     /// Nodes still to be judged, depth first.
@@ -85,7 +90,8 @@ impl<const N: usize, M: MultiTessellation<N>, S: Sink<N>> State<N, M, S> {
     pub fn new(model: &M, mut sink: S) -> Self {
         let view = model.base_view();
         model.cells(&view.mesh, |cell, corners| sink.make(cell, corners));
-        Self { view, sink, steps: Vec::new(), scratch: Scratch::default() }
+        let scratch = Scratch { marked: Bits::new(model.len()), ..Scratch::default() };
+        Self { view, sink, steps: Vec::new(), scratch }
     }
 
     /// The refined nodes.
@@ -115,6 +121,8 @@ impl<const N: usize, M: MultiTessellation<N>, S: Sink<N>> State<N, M, S> {
             }
             let before = chain.len();
             model.prerequisites(top, &self.view, &mut chain);
+            // Larger ids, and not yet refined: so the chain ends.
+            debug_assert!(chain[before..].iter().all(|&need| need > top && !self.view.front.is_refined(need)));
             if chain.len() == before {
                 chain.pop();
                 self.take(model, Step::refine(top));

@@ -3,7 +3,8 @@
 use glam::Vec3;
 use mt_core::check::{Breach, Law, Random};
 use mt_core::model::{MultiTessellation, View};
-use mt_core::{Bound, Camera, NodeId};
+use mt_core::{Bound, Camera, Front, NodeId, Order};
+use std::time::Duration;
 use selective::{
     Criterion, InRegion, Limits, Region, ScreenError, State, Strategy, UniformError, Wish, adapt, extract, wish_closure,
 };
@@ -30,6 +31,7 @@ fn draw<const N: usize>(model: &impl MultiTessellation<N, Bound = Bound>, random
 /// give one front; under a budget, no front is too large and a second call changes nothing. O(front + closure).
 pub fn minimality<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
     model: &M,
+    order: &Order,
     view: &View<M::Mesh>,
     random: &mut Random,
 ) -> Result<(), Breach> {
@@ -61,11 +63,24 @@ pub fn minimality<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
             wish.len()
         )));
     }
-    budget(model, &criterion, state, random)
+    closed(order, state.front())?;
+    budget(model, order, &criterion, state, random)
+}
+
+/// The front of an engine is closed.
+fn closed(order: &Order, front: &Front) -> Result<(), Breach> {
+    let unmet = order.unmet(front);
+    let breach = |(m, need)| Breach {
+        law: Law::Closure,
+        what: format!("the engine refined node {m} without node {need}, which it needs"),
+        node: Some(m),
+    };
+    unmet.map(breach).map_or(Ok(()), Err)
 }
 
 fn budget<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
     model: &M,
+    order: &Order,
     criterion: &impl Criterion<Bound>,
     mut state: State<N, M, ()>,
     random: &mut Random,
@@ -74,6 +89,12 @@ fn budget<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
     let base = model.cell_count(&model.base());
     let now = state.cell_count(model);
     let cells_max = base + random.below(now.saturating_sub(base) as usize + 1) as u32;
+    // With no time at all the mesh has to be within the budget all the same.
+    adapt(model, criterion, &Limits { cells: Some(cells_max), time: Some(Duration::ZERO) }, &mut state);
+    closed(order, state.front())?;
+    if state.cell_count(model) > cells_max {
+        return breach(format!("{} cells under a budget of {cells_max}, without time", state.cell_count(model)));
+    }
     let limits = Limits { cells: Some(cells_max), time: None };
     adapt(model, criterion, &limits, &mut state);
     if state.cell_count(model) > cells_max {

@@ -7,7 +7,9 @@ mod shrink;
 
 pub use minimality::minimality;
 
+use mt_core::analysis::{Operator, simplify};
 use mt_core::check::{self, Breach, Domain, Law, Random};
+use mt_core::container;
 use mt_core::model::{MultiTessellation, View, cells_of, mesh_of};
 use mt_core::{Explicit, Front, Mesh, NodeId, Order};
 use selective::{State, approach};
@@ -20,6 +22,22 @@ pub struct Options {
     pub fronts: u32,
     /// Seed of the fronts and of all other choices.
     pub seed: u64,
+}
+
+/// Law 7: analysing the same mesh twice gives the same model, byte for byte.
+pub fn determinism<const N: usize, O: Operator<N>>(mesh: &Mesh<N>, operator: &O) -> Result<(), Breach> {
+    let breach = |what: String| Breach { law: Law::Determinism, what, node: None };
+    let bytes = || {
+        let analysis = simplify(mesh, operator, &Default::default(), &mut |_| true);
+        let model = analysis.map_err(|error| breach(error.to_string()))?.model;
+        let mut bytes = Vec::new();
+        container::write(&model, &Default::default(), &mut bytes).map_err(|error| breach(error.to_string()))?;
+        Ok(bytes)
+    };
+    let (first, second) = (bytes()?, bytes()?);
+    let same = first == second;
+    let what = format!("{} made two models of {} and {} bytes of one mesh", operator.name(), first.len(), second.len());
+    if same { Ok(()) } else { Err(breach(what)) }
 }
 
 /// How often each law was checked, and held.
@@ -59,7 +77,7 @@ pub fn explicit<const N: usize>(
             break;
         }
         let front = check::random_front(&order, &mut random);
-        approach(model, &front, None, &mut state);
+        approach(model, &front, &mut state);
         state.steps.clear();
         let case = Random::new(random.bits());
         if let Err(breach) = laws.at(&mut state.view, &mut case.clone(), &mut summary) {
@@ -72,6 +90,7 @@ pub fn explicit<const N: usize>(
 /// The laws on the model as a whole.
 fn whole_model<const N: usize>(model: &Explicit<N>, summary: &mut Summary) -> Result<(Order, Domain<N>), Breach> {
     let order = check::order_of(model)?;
+    check::order_from_cells(model)?;
     held(summary, Law::Order);
     check::cells(model)?;
     held(summary, Law::Cells);
@@ -114,15 +133,15 @@ impl<const N: usize> Laws<'_, N> {
             return Err(Breach { law: Law::FrontDeterminesMesh, what, node: None });
         }
         let corners: Vec<_> = cells.into_iter().map(|(_, corners)| corners).collect();
-        check::crack_free(&corners, model.positions(), self.domain)?;
+        check::crack_free(&corners, model.positions(), self.domain, &self.domain.boundary_at(&view.front))?;
         held(summary, Law::CrackFree);
-        check::inverse(model, view, random, 16)?;
-        held(summary, Law::Inverse);
+        let steps = check::inverse(model, view, random, 16)?;
+        *summary.entry(Law::Inverse).or_default() += u64::from(steps);
         check::order(model, self.order, view, random, 64)?;
         held(summary, Law::Order);
         check::front_determines_mesh(model, view, random)?;
         held(summary, Law::FrontDeterminesMesh);
-        minimality(model, view, random)?;
+        minimality(model, self.order, view, random)?;
         held(summary, Law::Minimality);
         Ok(())
     }
@@ -142,7 +161,7 @@ pub(crate) fn finish<const N: usize>(
     found_at: u32,
 ) -> Counterexample<N> {
     let mut state = State::new(model, ());
-    approach(model, &front, None, &mut state);
+    approach(model, &front, &mut state);
     let patch = breach.node.filter(|m| m.0 < model.len()).map(|m| (m, model.patch(m)));
     Counterexample { mesh: mesh_of(model, &state.view.mesh), breach, front, found_at, patch }
 }

@@ -50,6 +50,6 @@ fn without<const N: usize>(laws: &Laws<'_, N>, front: &Front, nodes: &[NodeId]) 
 
 fn broken<const N: usize>(laws: &Laws<'_, N>, front: &Front, case: &Random) -> Option<Breach> {
     let mut state = State::new(laws.model, ());
-    approach(laws.model, front, None, &mut state);
+    approach(laws.model, front, &mut state);
     laws.at(&mut state.view, &mut case.clone(), &mut Summary::new()).err()
 }

@@ -59,6 +59,9 @@ impl Measure {
             Some(new) => plan.vertices[new].as_dvec3(),
             None => draft.positions[v.index()].as_dvec3(),
         };
+        if plan.makes.is_empty() {
+            return self.extent(plan);
+        }
         let mut worst: f64 = 0.0;
         for &slot in &plan.kills {
             let mut point = self.first[slot as usize];
@@ -66,13 +69,26 @@ impl Measure {
                 let p = self.points[point as usize];
                 let distances =
                     plan.makes.iter().map(|cell| distance_squared(p, [cell[0], cell[1], cell[2]].map(position)));
-                let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
+                let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).expect("there is a made cell");
                 self.found.push((point, nearest.0 as u32));
                 worst = worst.max(nearest.1);
                 point = self.next[point as usize];
             }
         }
         (worst.sqrt() as f32).next_up()
+    }
+
+    /// The diagonal of the box around the points of the fine side.
+    fn extent<const N: usize>(&self, plan: &Plan<N>) -> f32 {
+        let lists = plan.kills.iter().map(|&slot| self.first[slot as usize]);
+        let points = lists.flat_map(|first| {
+            let present = |point: u32| (point != NONE).then_some(point);
+            std::iter::successors(present(first), move |&point| present(self.next[point as usize]))
+        });
+        let points = points.map(|point| self.points[point as usize]);
+        let (low, high) =
+            points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+        if low.x <= high.x { (low.distance(high) as f32).next_up() } else { 0.0 }
     }
 
     /// Hears that the plan measured last was applied, and where its cells went.

@@ -26,7 +26,7 @@ pub enum Stopped {
     Exhausted,
     /// The wanted number of cells is reached.
     Cells,
-    /// Every site that is left has a larger error than wanted.
+    /// Every site that is left has a larger error than wanted, or is refused for another reason.
     Error,
     /// Somebody asked to stop.
     Cancelled,
@@ -69,6 +69,9 @@ pub enum AnalysisError {
     /// The operator cannot take the mesh.
     #[error(transparent)]
     Unfit(#[from] Unfit),
+    /// Distances are measured to triangles only.
+    #[error("errors are measured for triangles only, not for cells of {0} corners")]
+    Measured(usize),
     /// The operator told a history that cannot be, which is a fault of the operator.
     #[error("the operator's modification cannot be recorded: {0}")]
     History(#[from] HistoryError),
@@ -77,13 +80,17 @@ pub enum AnalysisError {
 /// Coarsens `mesh` by `operator` and records everything.
 ///
 /// `watch` hears of progress every few thousand modifications and answers whether to go on. The result is the same for
-/// the same input, bit for bit. O(s log s) for s sites, besides what the operator costs.
+/// the same input, bit for bit. O(sites), besides what the operator costs; refused sites are tried
+/// again once the others are done, as long as that gets somewhere.
 pub fn simplify<const N: usize, O: Operator<N>>(
     mesh: &Mesh<N>,
     operator: &O,
     options: &Options,
     watch: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Analysis<N>, AnalysisError> {
+    if options.error_kind == ErrorKind::Measured && N != 3 {
+        return Err(AnalysisError::Measured(N));
+    }
     let mut recorder = Recorder::new(mesh)?;
     let mut work = Work::new(mesh, operator, options)?;
     let stopped = work.run(&mut recorder, watch)?;
@@ -119,7 +126,7 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
             queue,
             parked: Vec::new(),
             refusals: RefusalCounts::default(),
-            measure: (options.error_kind == ErrorKind::Measured && N == 3).then(|| Measure::new(mesh)),
+            measure: (options.error_kind == ErrorKind::Measured).then(|| Measure::new(mesh)),
             draft,
             plan: Plan::default(),
             slots: Vec::new(),
@@ -160,7 +167,10 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
                 Err(Refusal::Stale) => {}
                 Err(refusal) => {
                     self.refusals.add(refusal);
-                    self.parked.push(site);
+                    // What the boundary rule forbids it will forbid again.
+                    if refusal != Refusal::Boundary {
+                        self.parked.push(site);
+                    }
                 }
             }
         }

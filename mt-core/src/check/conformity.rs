@@ -4,6 +4,7 @@ use super::{Breach, Law, ensure};
 use crate::cell::{Facet, facets};
 use crate::complex::Complex;
 use crate::explicit::Explicit;
+use crate::front::Front;
 use crate::id::NodeId;
 use crate::mesh::{area_vector, volume_six};
 use crate::model::MultiTessellation;
@@ -13,17 +14,51 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// What every mesh of a model is compared with: the domain of its reference mesh.
 #[derive(Clone, Debug, Default)]
 pub struct Domain<const N: usize> {
-    /// The facets that lie on the boundary of the domain in some mesh; a facet with one cell elsewhere is a crack.
-    pub boundary: FxHashSet<Facet<N>>,
+    /// Boundary facets of the base mesh.
+    pub base_boundary: FxHashSet<Facet<N>>,
+    /// How refining each node moves the boundary, for those that do: facets that it takes away, and that it adds.
+    pub moves: FxHashMap<NodeId, Moved<N>>,
     /// Whether the reference mesh is a manifold in facets (at most two cells) and vertices (one umbrella).
     pub manifold: bool,
     /// Whether every inner facet of the reference has opposite orientations in its two cells.
     pub oriented: bool,
     /// Whether all meshes have the same boundary facets, so that the domain is the same point set at every level.
     pub boundary_fixed: bool,
-    /// The signed content (twice the area, six times the volume) where the reference is embedded in a plane or in space
-    /// without a cell turned over; and the sign of its cells.
-    pub content: Option<f64>,
+    /// Where the reference is embedded in a plane or in space without a cell turned over.
+    pub content: Option<Content>,
+}
+
+/// Boundary facets that refining a node takes away, and those that it adds.
+pub type Moved<const N: usize> = (Vec<Facet<N>>, Vec<Facet<N>>);
+
+/// The content of an embedded mesh, and which way its cells are oriented.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Content {
+    /// Twice the area, or six times the volume, of the whole; above 0.
+    pub sum: f64,
+    /// The unit normal of the plane, for triangles.
+    pub normal: glam::DVec3,
+    /// The sign of the cells' contents.
+    pub sign: f64,
+}
+
+impl<const N: usize> Domain<N> {
+    /// The boundary of the mesh of a closed front. O(boundary + nodes of the front).
+    pub fn boundary_at(&self, front: &Front) -> FxHashSet<Facet<N>> {
+        let mut boundary = self.base_boundary.clone();
+        if self.moves.is_empty() {
+            return boundary;
+        }
+        // Finest last: a facet that a node adds may be taken away by one that builds on it.
+        let mut nodes: Vec<NodeId> = front.finest_first().filter(|m| self.moves.contains_key(m)).collect();
+        nodes.reverse();
+        for m in nodes {
+            let (away, added) = &self.moves[&m];
+            away.iter().for_each(|facet| _ = boundary.remove(facet));
+            boundary.extend(added);
+        }
+        boundary
+    }
 }
 
 /// Law 1: every modification keeps the combinatorial boundary of its patch towards the rest.
@@ -40,9 +75,7 @@ pub fn conformity<const N: usize>(model: &Explicit<N>) -> Result<Domain<N>, Brea
             *count.entry(facet).or_default() += 1;
         }
     }
-    let input_boundary = domain.boundary.len();
-    let base_boundary: FxHashSet<Facet<N>> = count.iter().filter(|(_, n)| **n == 1).map(|(facet, _)| *facet).collect();
-    domain.boundary.extend(&base_boundary);
+    domain.base_boundary = count.iter().filter(|(_, n)| **n % 2 == 1).map(|(facet, _)| *facet).collect();
     for m in (0..model.len()).rev().map(NodeId) {
         let patch = model.patch(m);
         let (fine, coarse) = patch.boundary_difference();
@@ -70,31 +103,20 @@ pub fn conformity<const N: usize>(model: &Explicit<N>) -> Result<Domain<N>, Brea
                 "node {m} lays boundary facet {:?} onto {others} other cells",
                 names(facet)
             );
-            domain.boundary.insert(*facet);
+        }
+        if !(fine.is_empty() && coarse.is_empty()) {
+            domain.moves.insert(m, (coarse.clone(), fine.clone()));
         }
         for (facet, _) in patch.fine.iter().flat_map(facets) {
             *count.entry(facet).or_default() += 1;
         }
     }
-    closed_domain_has_no_boundary(&reference, &base_boundary)?;
-    domain.boundary_fixed = domain.boundary.len() == input_boundary && base_boundary.len() == input_boundary;
+    domain.boundary_fixed = domain.moves.is_empty();
+    let input: FxHashSet<Facet<N>> = super::mesh::boundary_of(&reference.cells).into_iter().collect();
+    let reached = domain.boundary_at(&Front::reference(model.len()));
+    let lost = reached.symmetric_difference(&input).next();
+    ensure!(lost.is_none(), Law::Conformity, None, "facet {:?} is boundary of the input or of what the modifications make of the base mesh, not of both", lost.map(names));
     Ok(domain)
-}
-
-/// A closed input has no boundary at any level, however its modifications conform.
-fn closed_domain_has_no_boundary<const N: usize>(
-    reference: &crate::Mesh<N>,
-    base: &FxHashSet<Facet<N>>,
-) -> Result<(), Breach> {
-    let closed = super::mesh::boundary_of(&reference.cells).is_empty();
-    match base.iter().next().filter(|_| closed) {
-        Some(facet) => Err(Breach::new(
-            Law::Conformity,
-            None,
-            format!("the input is closed, but facet {:?} of the base mesh is open", names(facet)),
-        )),
-        None => Ok(()),
-    }
 }
 
 pub(super) fn names<const N: usize>(facet: &Facet<N>) -> Vec<u32> {

@@ -6,7 +6,7 @@ use crate::order::Order;
 use crate::random::Random;
 
 /// A random closed front: the closure of a few random nodes, or the reference less a few random nodes and all that
-/// need them. O(nodes / 64 + arcs of the front).
+/// need them. O(nodes + arcs).
 pub fn random_front(order: &Order, random: &mut Random) -> Front {
     let count = order.len();
     if count == 0 {

@@ -1,72 +1,68 @@
 //! Law 3 on one mesh: it conforms, has its boundary where the domain has it, and nothing overlaps.
 
-use super::conformity::{content, names};
+use super::conformity::{Content, content, names};
 use super::{Breach, Domain, Law, ensure};
 use crate::cell::{Cell, Facet, facets};
 use crate::id::VertexId;
 use crate::mesh::{Mesh, area_vector};
 use glam::{DVec3, Vec3};
+use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Law 3: no crack, no facet with more than two cells where the input has none, one umbrella at each vertex (triangles),
-/// orientation kept; planar and volume meshes also embed: every cell has the sign of the input's and, where boundaries
-/// stay as they are, they sum to its content. O(cells log cells).
-pub fn crack_free<const N: usize>(cells: &[Cell<N>], positions: &[Vec3], domain: &Domain<N>) -> Result<(), Breach> {
+/// Law 3: the boundary is exactly `boundary` (see [`Domain::boundary_at`]), no facet has more than two cells where the
+/// input has none such, one umbrella at each vertex (triangles), orientation kept; planar and volume meshes also embed:
+/// every cell has the sign of the input's and, where boundaries stay as they are, they sum to its content. That no
+/// closed component is lost is for [`super::set_algebra`] to see. O(cells log cells).
+pub fn crack_free<const N: usize>(
+    cells: &[Cell<N>],
+    positions: &[Vec3],
+    domain: &Domain<N>,
+    boundary: &FxHashSet<Facet<N>>,
+) -> Result<(), Breach> {
     let sides = sorted_sides(cells);
+    let mut open = 0;
     for run in sides.chunk_by(|a, b| a.0 == b.0) {
-        let facet = &run[0].0;
-        let cracked = run.len() % 2 == 1 && !domain.boundary.contains(facet);
-        ensure!(
-            !cracked,
-            Law::CrackFree,
-            None,
-            "facet {:?} has {} cells, but is not on the boundary",
-            names(facet),
-            run.len()
-        );
-        if domain.manifold {
-            ensure!(
-                run.len() <= 2,
-                Law::CrackFree,
-                None,
-                "facet {:?} has {} cells, but the input is a manifold",
-                names(facet),
-                run.len()
-            );
-        }
-        if domain.oriented && run.len() == 2 {
-            ensure!(
-                run[0].1 != run[1].1,
-                Law::CrackFree,
-                None,
-                "the two cells of facet {:?} disagree in orientation",
-                names(facet)
-            );
-        }
+        open += usize::from(run.len() % 2 == 1);
+        judge_facet(run, domain, boundary)?;
     }
+    let missing = boundary.len() - open;
+    ensure!(missing == 0, Law::CrackFree, None, "{missing} facets of the boundary are not there");
     if domain.manifold
         && let Some(v) = second_umbrella(cells, positions.len())
     {
-        return Err(Breach::new(
-            Law::CrackFree,
-            None,
-            format!("the cells around vertex {v} fall into more than one umbrella"),
-        ));
+        let what = format!("the cells around vertex {v} fall into more than one umbrella");
+        return Err(Breach::new(Law::CrackFree, None, what));
     }
     embedded(cells, positions, domain)
 }
 
+/// One facet, given as the sides of all its cells.
+fn judge_facet<const N: usize>(
+    sides: &[(Facet<N>, bool)],
+    domain: &Domain<N>,
+    boundary: &FxHashSet<Facet<N>>,
+) -> Result<(), Breach> {
+    let (facet, cells) = (&sides[0].0, sides.len());
+    let at = names(facet);
+    let cracked = cells % 2 == 1 && !boundary.contains(facet);
+    ensure!(!cracked, Law::CrackFree, None, "facet {at:?} has {cells} cells, but is not on the boundary");
+    let crowded = domain.manifold && cells > 2;
+    ensure!(!crowded, Law::CrackFree, None, "facet {at:?} has {cells} cells, but the input is a manifold");
+    let twisted = domain.oriented && cells == 2 && sides[0].1 == sides[1].1;
+    ensure!(!twisted, Law::CrackFree, None, "the two cells of facet {at:?} disagree in orientation");
+    Ok(())
+}
+
 fn embedded<const N: usize>(cells: &[Cell<N>], positions: &[Vec3], domain: &Domain<N>) -> Result<(), Breach> {
     let Some(wanted) = domain.content else { return Ok(()) };
-    let normal = plane_normal(cells, positions);
     let mut sum = 0.0;
     for cell in cells {
-        let part = content(&cell.map(|v| positions[v.index()]), normal);
+        let part = wanted.sign * content(&cell.map(|v| positions[v.index()]), wanted.normal);
         ensure!(part > 0.0, Law::CrackFree, None, "cell {:?} is turned over or has no content", cell.map(|v| v.0));
         sum += part;
     }
     // Where boundaries are coarsened too, the domain itself changes.
-    let close = !domain.boundary_fixed || (sum - wanted).abs() <= 1e-4 * wanted.abs();
-    ensure!(close, Law::CrackFree, None, "the cells sum to {sum}, the domain to {wanted}");
+    let close = !domain.boundary_fixed || (sum - wanted.sum).abs() <= 1e-4 * wanted.sum;
+    ensure!(close, Law::CrackFree, None, "the cells sum to {sum}, the domain to {}", wanted.sum);
     Ok(())
 }
 
@@ -76,7 +72,8 @@ pub(super) fn domain_of<const N: usize>(mesh: &Mesh<N>) -> Domain<N> {
     let runs = || sides.chunk_by(|a, b| a.0 == b.0);
     let facets_manifold = runs().all(|run| run.len() <= 2);
     Domain {
-        boundary: runs().filter(|run| run.len() % 2 == 1).map(|run| run[0].0).collect(),
+        base_boundary: runs().filter(|run| run.len() % 2 == 1).map(|run| run[0].0).collect(),
+        moves: FxHashMap::default(),
         manifold: facets_manifold && second_umbrella(&mesh.cells, mesh.positions.len()).is_none(),
         boundary_fixed: true,
         oriented: runs().all(|run| run.len() != 2 || run[0].1 != run[1].1),
@@ -84,26 +81,23 @@ pub(super) fn domain_of<const N: usize>(mesh: &Mesh<N>) -> Domain<N> {
     }
 }
 
-/// The sum of the cells' contents where all are positive: in space, or in one plane.
-fn embedded_content<const N: usize>(mesh: &Mesh<N>) -> Option<f64> {
+/// The content of a mesh in space, or in one plane, whose cells all have the same sign.
+fn embedded_content<const N: usize>(mesh: &Mesh<N>) -> Option<Content> {
     let normal = plane_normal(&mesh.cells, &mesh.positions);
-    let planar = || {
-        let on = mesh.cells.first()?[0];
-        let height = |p: &Vec3| (p.as_dvec3() - mesh.positions[on.index()].as_dvec3()).dot(normal).abs();
-        mesh.positions.iter().map(height).fold(0.0, f64::max).le(&(1e-7 * mesh.diagonal())).then_some(())
-    };
+    let first = *mesh.cells.first()?;
     if N == 3 {
-        planar()?;
-    }
-    let parts = mesh.cells.iter().map(|cell| content(&cell.map(|v| mesh.positions[v.index()]), normal));
-    let mut sum = 0.0;
-    for part in parts {
-        if part <= 0.0 {
+        let on = mesh.positions[first[0].index()].as_dvec3();
+        let height = |p: &Vec3| (p.as_dvec3() - on).dot(normal).abs();
+        let off_plane = mesh.positions.iter().map(height).fold(0.0, f64::max);
+        if off_plane > 1e-7 * mesh.diagonal() {
             return None;
         }
-        sum += part;
     }
-    (sum > 0.0).then_some(sum)
+    let part = |cell: &Cell<N>| content(&cell.map(|v| mesh.positions[v.index()]), normal);
+    let sign = part(&first).signum();
+    let parts = mesh.cells.iter().map(|cell| sign * part(cell));
+    let sum = parts.clone().all(|part| part > 0.0).then(|| parts.sum::<f64>())?;
+    Some(Content { sum, normal, sign })
 }
 
 /// The unit normal of the plane that triangles lie in, if they lie in one.

@@ -1,4 +1,5 @@
-//! The laws as checkers that anyone can call: debug builds, tests and `mtess verify` call the same functions.
+//! The laws as checkers that anyone can call: tests and `mtess verify` call the same functions, and
+//! debug builds check every plan before it is applied.
 //!
 //! A checker says nothing or returns a [`Breach`]: the law, what is wrong, and the place. The slow oracles are here
 //! too; none of them shares code with what it judges.
@@ -6,15 +7,17 @@
 mod conformity;
 mod fronts;
 mod mesh;
+mod mirror;
 mod oracle;
 mod steps;
 
 pub use crate::random::Random;
-pub use conformity::{Domain, cells, conformity, plan, saturation};
+pub use conformity::{Content, Domain, Moved, cells, conformity, plan, saturation};
 pub use fronts::random_front;
 pub use mesh::crack_free;
+pub use mirror::Mirror;
 pub use oracle::{front_determines_mesh, set_algebra};
-pub use steps::{closure, ends, inverse, order, order_of};
+pub use steps::{closure, ends, inverse, order, order_from_cells, order_of};
 
 use crate::id::NodeId;
 
@@ -34,7 +37,7 @@ pub enum Law {
     FrontDeterminesMesh,
     /// The empty front is the base mesh, the full front the input.
     Ends,
-    /// Same input, same bytes.
+    /// Same input, same bytes. Judged by `verify::determinism`, which analyses twice.
     Determinism,
     /// Ids are a rank; prerequisites and obstacles tell the same as needs.
     Order,

@@ -125,19 +125,42 @@ pub fn write<const N: usize>(model: &Explicit<N>, meta: &Meta, out: &mut impl Wr
     )
 }
 
-/// The metadata alone, with the whole file checked: tells which `N` to read it with.
-pub fn read_meta(bytes: &[u8]) -> Result<Meta, ContainerError> {
-    meta_of(&layout::read(bytes)?)
+/// A container whose every byte has been checked, but whose arrays have not been looked at.
+pub struct Container<'a> {
+    sections: Vec<Section<'a>>,
+    meta: Meta,
 }
 
-/// Reads a model. Refuses what is truncated, altered, newer or not a model; never panics. O(file).
-pub fn read<const N: usize>(bytes: &[u8]) -> Result<(Explicit<N>, Meta), ContainerError> {
+/// Opens a container. Refuses what is truncated, altered or newer; never panics. O(file).
+pub fn open(bytes: &[u8]) -> Result<Container<'_>, ContainerError> {
     let sections = layout::read(bytes)?;
     let meta = meta_of(&sections)?;
+    Ok(Container { sections, meta })
+}
+
+impl Container<'_> {
+    /// What the file says about its model, such as the `N` to read it with.
+    pub fn meta(&self) -> &Meta {
+        &self.meta
+    }
+
+    /// The model. Refuses arrays that are none; never panics. O(file).
+    pub fn model<const N: usize>(self) -> Result<(Explicit<N>, Meta), ContainerError> {
+        let model = model_of(&self.sections, &self.meta)?;
+        Ok((model, self.meta))
+    }
+}
+
+/// Opens a container and reads its model.
+pub fn read<const N: usize>(bytes: &[u8]) -> Result<(Explicit<N>, Meta), ContainerError> {
+    open(bytes)?.model()
+}
+
+fn model_of<const N: usize>(sections: &[Section<'_>], meta: &Meta) -> Result<Explicit<N>, ContainerError> {
     if meta.corners != N as u32 {
         return Err(ContainerError::Corners { found: meta.corners, wanted: N as u32 });
     }
-    let corners: Vec<VertexId> = array(&sections, b"CORN")?;
+    let corners: Vec<VertexId> = array(sections, b"CORN")?;
     let (cells, rest) = corners.as_chunks::<N>();
     if !rest.is_empty() {
         return Err(ContainerError::Layout("the cells are cut short".into()));
@@ -145,19 +168,19 @@ pub fn read<const N: usize>(bytes: &[u8]) -> Result<(Explicit<N>, Meta), Contain
     let cells: Vec<Cell<N>> = cells.to_vec();
     drop(corners);
     let parts = Parts {
-        positions: array(&sections, b"POSI")?,
+        positions: array(sections, b"POSI")?,
         input_vertex_count: meta.input_vertices,
         corners: cells,
-        coarse_start: array(&sections, b"CSTA")?,
-        fine_start: array(&sections, b"FSTA")?,
-        fine: array::<CellId>(&sections, b"FINE")?,
-        parents: array(&sections, b"PARE")?,
-        bounds: array(&sections, b"BNDS")?,
+        coarse_start: array(sections, b"CSTA")?,
+        fine_start: array(sections, b"FSTA")?,
+        fine: array::<CellId>(sections, b"FINE")?,
+        parents: array(sections, b"PARE")?,
+        bounds: array(sections, b"BNDS")?,
         error_kind: meta.error_kind,
     };
     let model = Explicit::from_parts(parts)?;
     let fits = model.len() == meta.modifications && model.input_cell_count() == meta.input_cells;
-    if fits { Ok((model, meta)) } else { Err(ContainerError::Layout("metadata and arrays disagree in counts".into())) }
+    if fits { Ok(model) } else { Err(ContainerError::Layout("metadata and arrays disagree in counts".into())) }
 }
 
 fn meta_of(sections: &[Section<'_>]) -> Result<Meta, ContainerError> {

@@ -51,6 +51,7 @@ pub struct Explicit<const N: usize> {
     parts: Parts<N>,
     order: Order,
     base: Vec<CellId>,
+    roots: Vec<NodeId>,
 }
 
 impl<const N: usize> Explicit<N> {
@@ -137,7 +138,7 @@ impl<const N: usize> Explicit<N> {
 
     /// Bytes of the model in memory, all arrays.
     pub fn bytes(&self) -> usize {
-        self.parts.bytes() + self.order.bytes() + 4 * self.base.len()
+        self.parts.bytes() + self.order.bytes() + 4 * (self.base.len() + self.roots.len())
     }
 
     fn gain_of(&self, m: NodeId) -> i32 {
@@ -180,7 +181,7 @@ impl<const N: usize> MultiTessellation<N> for Explicit<N> {
     }
 
     fn roots(&self, out: &mut Vec<NodeId>) {
-        out.extend(self.order.roots());
+        out.extend_from_slice(&self.roots);
     }
 
     fn children(&self, m: NodeId, out: &mut Vec<NodeId>) {

@@ -151,7 +151,8 @@ impl<const N: usize> Explicit<N> {
             killed.insert(cell.0);
         }
         let base = (0..parts.corners.len() as u32).filter(|&c| !killed.contains(c)).map(CellId).collect();
-        Ok(Self { parts, order, base })
+        let roots = order.roots().collect();
+        Ok(Self { parts, order, base, roots })
     }
 }
 

@@ -66,8 +66,8 @@ pub enum HistoryError {
     /// The modification kills nothing.
     #[error("a modification must kill at least one cell")]
     Empty,
-    /// The model would have 2^32 - 1 cells or more.
-    #[error("more cells than 32-bit ids can name")]
+    /// The model would have 2^32 - 1 cells or vertices, or more.
+    #[error("more cells or vertices than 32-bit ids can name")]
     TooLarge,
     /// Calls after the last `end` are not part of any modification.
     #[error("the last modification was not ended")]
@@ -126,6 +126,9 @@ impl<const N: usize> Recorder<N> {
     pub fn vertex(&mut self, position: Vec3) -> Result<VertexId, HistoryError> {
         if !position.is_finite() {
             return Err(HistoryError::NotFinite("a position"));
+        }
+        if self.positions.len() + 1 >= u32::MAX as usize {
+            return Err(HistoryError::TooLarge);
         }
         self.positions.push(position);
         Ok(VertexId::new(self.positions.len() - 1))

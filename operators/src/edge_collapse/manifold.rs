@@ -1,7 +1,7 @@
 //! Is it a manifold? Judged by umbrellas at vertices, not by counting edges.
 
 use mt_core::analysis::Unfit;
-use mt_core::{Complex, Slot, VertexId};
+use mt_core::{Bits, Complex, Slot, VertexId};
 
 /// An edge of a manifold.
 pub(super) struct ManifoldEdge {
@@ -35,7 +35,9 @@ pub(super) fn check(complex: &Complex<3>) -> Result<Vec<ManifoldEdge>, Unfit> {
             bad_vertices.push(v);
         }
     }
-    bad_vertices.retain(|v| !bad_edges.iter().any(|edge| edge.contains(v)));
+    let mut on_bad_edge = Bits::new(complex.vertex_count() as u32);
+    bad_edges.iter().flatten().for_each(|v| _ = on_bad_edge.insert(v.0));
+    bad_vertices.retain(|v| !on_bad_edge.contains(v.0));
     if bad_edges.is_empty() && bad_vertices.is_empty() {
         return Ok(edges);
     }

@@ -97,7 +97,7 @@ impl Operator<3> for EdgeCollapse {
             quadrics: vec![Quadric::default(); vertices],
             on_boundary: vec![false; vertices],
             coherent: edges.iter().all(|edge| edge.coherent),
-            stamps: if self.placement == Placement::End { vec![0; vertices] } else { Vec::new() },
+            stamps: if self.keeps_ends() { vec![0; vertices] } else { Vec::new() },
         };
         for (_, cell) in draft.complex.cells() {
             let quadric = Quadric::of_triangle(cell.map(|v| draft.positions[v.index()].as_dvec3()));
@@ -199,7 +199,7 @@ impl EdgeCollapse {
         let ends = [site.a, site.b].map(|v| draft.positions[v.index()]);
         if let Some(locked) = self.locked_end(aux, site) {
             let kept = [site.a, site.b][locked];
-            return Target { position: ends[locked], kept: (self.placement == Placement::End).then_some(kept) };
+            return Target { position: ends[locked], kept: Some(kept) };
         }
         match self.placement {
             Placement::End => {
@@ -227,6 +227,11 @@ impl EdgeCollapse {
                 Some(Target { position: middle, kept: None })
             }
         }
+    }
+
+    /// Whether a vertex may outlive a collapse of one of its edges, whose price then changes.
+    fn keeps_ends(&self) -> bool {
+        self.placement == Placement::End || self.boundary == BoundaryRule::Locked
     }
 
     /// Which end may not move, under the locked boundary rule.

@@ -58,6 +58,7 @@ impl Quadric {
     }
 
     /// The root mean square distance from `p` to the planes, in model units: an estimate of the distance to the surface.
+    /// Boundary planes raise it near boundaries; without any area it is 0.
     pub fn distance(&self, p: DVec3) -> f64 {
         if self.weight > 0.0 { (self.value(p) / self.weight).sqrt() } else { 0.0 }
     }
