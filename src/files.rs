@@ -28,6 +28,9 @@ pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
     if path.is_dir() {
         return Err(FileError::new(path, "is a folder, not a file"));
     }
+    if path.exists() && !path.is_file() {
+        return Err(FileError::new(path, "is not a regular file"));
+    }
     let bytes = std::fs::read(path).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => FileError::new(path, "no such file"),
         _ => FileError::new(path, error),
@@ -53,7 +56,9 @@ pub fn load_mesh(path: &Path, options: &LoadOptions) -> Result<(Mesh<3>, LoadRep
     // A glTF file names its buffers relative to itself, and may come from anybody: it reads nothing from elsewhere.
     let beside = |name: &str| {
         let below = Path::new(name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-        below.then(|| std::fs::read(path.parent().unwrap_or(Path::new("")).join(name)).ok())?
+        let at = path.parent().unwrap_or(Path::new("")).join(name);
+        // A link to a device would never end.
+        if below && at.is_file() { std::fs::read(at).ok() } else { None }
     };
     mt_core::format::read(format, &bytes, options, &beside).map_err(|error| FileError::new(path, error))
 }
@@ -72,9 +77,7 @@ pub fn load_model(path: &Path) -> Result<(Model, Meta), FileError> {
     let wrong = |error| FileError::new(path, error);
     let container = container::open(&bytes).map_err(wrong)?;
     match container.meta().corners {
-        4 => {
-            container.model::<4>().map(|(model, meta)| (Model::Tetrahedra(Box::new(model)), meta)).map_err(wrong)
-        }
+        4 => container.model::<4>().map(|(model, meta)| (Model::Tetrahedra(Box::new(model)), meta)).map_err(wrong),
         _ => container.model::<3>().map(|(model, meta)| (Model::Triangles(Box::new(model)), meta)).map_err(wrong),
     }
 }

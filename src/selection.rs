@@ -29,7 +29,7 @@ pub struct Selection {
     #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", value_parser = parse_region, requires = "error", allow_hyphen_values = true)]
     pub region: Option<Region>,
     /// The input itself
-    #[arg(long, conflicts_with_all = ["error", "cells", "camera", "region"])]
+    #[arg(long, conflicts_with_all = ["error", "cells", "camera", "region", "time_ms"])]
     pub reference: bool,
     /// In what sequence to refine
     #[arg(long, value_enum, default_value_t = Way::TopDown)]

@@ -93,6 +93,7 @@ fn forged_arrays_are_refused() {
     assert!(forged(|p| p.parents[0] = mt_core::NodeId::NONE).is_err());
     assert!(forged(|p| p.parents.truncate(1)).is_err());
     assert!(forged(|p| p.input_vertex_count = u32::MAX).is_err());
+    assert!(forged(|p| p.input_vertex_count -= 1).is_err());
 }
 
 proptest! {

@@ -1,7 +1,7 @@
 //! The engine from outside: sinks, logs, interruption, budgets without known gains, two cameras on one model.
 
-use mt_core::explicit::Alive;
 use mt_core::check::Mirror;
+use mt_core::explicit::Alive;
 use mt_core::model::{MultiTessellation, View, cells_of};
 use mt_core::{Bound, Camera, Cell, CellId, Coarsen, Explicit, Front, NodeId, Rule, Sink, check, generate};
 use mt_tests::model_of;

@@ -66,7 +66,8 @@ fn every_closed_set_is_a_mesh_without_cracks() {
             let algebra = check::set_algebra(&model, &front).unwrap_or_else(|breach| panic!("{name}: {breach}"));
             assert!(algebra.iter().eq(cells.iter().map(|(id, _)| id)), "{name}: the mesh is not what set algebra says");
             let corners: Vec<_> = cells.iter().map(|(_, corners)| *corners).collect();
-            check::crack_free(&corners, model.positions(), &domain, &domain.boundary_at(&front)).unwrap_or_else(|breach| panic!("{name}: {breach}"));
+            check::crack_free(&corners, model.positions(), &domain, &domain.boundary_at(&front))
+                .unwrap_or_else(|breach| panic!("{name}: {breach}"));
             count += 1;
         }
     }

@@ -81,9 +81,15 @@ fn crack_freeness_sees_a_missing_cell() {
     let mut cells = model.reference().cells;
     check::crack_free(&cells, model.positions(), &domain, &domain.base_boundary).unwrap();
     let lost = cells.pop().unwrap();
-    assert_eq!(check::crack_free(&cells, model.positions(), &domain, &domain.base_boundary).unwrap_err().law, Law::CrackFree);
+    assert_eq!(
+        check::crack_free(&cells, model.positions(), &domain, &domain.base_boundary).unwrap_err().law,
+        Law::CrackFree
+    );
     cells.extend([lost, lost]);
-    assert_eq!(check::crack_free(&cells, model.positions(), &domain, &domain.base_boundary).unwrap_err().law, Law::CrackFree);
+    assert_eq!(
+        check::crack_free(&cells, model.positions(), &domain, &domain.base_boundary).unwrap_err().law,
+        Law::CrackFree
+    );
 }
 
 #[test]
@@ -431,4 +437,13 @@ fn determinism_sees_an_operator_with_moods() {
     assert_eq!(verify::determinism(&mesh, &EdgeCollapse::FULL), Ok(()));
     let breach = verify::determinism(&mesh, &Moody(Default::default())).unwrap_err();
     assert_eq!(breach.law, Law::Determinism);
+}
+
+#[test]
+fn half_edge_collapses_conform_where_orientations_do_not_agree() {
+    // On a Möbius strip no orientation can count; the facets of a patch's boundary still do.
+    let strip = generate::moebius(12);
+    let model = model_of(&strip, &EdgeCollapse::HALF);
+    assert!(!check::conformity(&model).unwrap().oriented);
+    assert_eq!(verdict(&model), None);
 }

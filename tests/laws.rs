@@ -159,3 +159,26 @@ fn least(value: impl Fn(f64) -> f64) -> f64 {
     }
     value((low + high) * 0.5)
 }
+
+#[test]
+fn coordinates_too_large_for_a_sphere_are_refused() {
+    let mut mesh = generate::octahedron();
+    mesh.positions.iter_mut().for_each(|p| *p *= 3.0e38);
+    let error = simplify(&mesh, &EdgeCollapse::FULL, &Options::default(), &mut |_| true).unwrap_err().to_string();
+    assert!(error.contains("not finite"), "{error}");
+}
+
+#[test]
+fn a_hub_of_thousands_of_triangles_takes_no_forever() {
+    // A closed fan whose rim is locked: every site is refused, each beside a vertex of degree 4,000.
+    let rim = (0..4000).map(|i| (i as f32 / 4000.0 * std::f32::consts::TAU).sin_cos());
+    let mut positions: Vec<_> = rim.map(|(y, x)| glam::Vec3::new(x, y, 0.0)).collect();
+    positions.push(glam::Vec3::ZERO);
+    let cells: Vec<_> = (0..4000).map(|i| [i, (i + 1) % 4000, 4000]).collect();
+    let fan = Mesh::from_indices(positions, &cells);
+    for boundary in [BoundaryRule::Locked, BoundaryRule::Weighted] {
+        let begun = std::time::Instant::now();
+        model_of(&fan, &EdgeCollapse { boundary, ..EdgeCollapse::FULL });
+        assert!(begun.elapsed().as_secs() < 20, "{boundary:?} took {:?}", begun.elapsed());
+    }
+}

@@ -57,10 +57,11 @@ impl<const N: usize> Patch<N> {
     /// The facets in which the boundaries of the two sides differ: those of the fine side alone, and of the coarse
     /// side alone. A modification conforms when none of them is shared with a cell outside the patch. O(patch log patch).
     ///
-    /// A boundary is what an odd number of cells has; a facet that one cell has counts with its orientation, so a
-    /// patch turned inside out differs from itself.
+    /// A boundary is what an odd number of cells has. Where both sides are coherently oriented, a facet that one cell has
+    /// counts with its orientation, so a patch turned inside out differs from itself.
     pub fn boundary_difference(&self) -> (Vec<Facet<N>>, Vec<Facet<N>>) {
-        let (fine, coarse) = (oriented_boundary(&self.fine), oriented_boundary(&self.coarse));
+        let oriented = is_coherent(&self.fine) && is_coherent(&self.coarse);
+        let (fine, coarse) = (boundary_of(&self.fine, oriented), boundary_of(&self.coarse, oriented));
         let only = |a: &[(Facet<N>, bool)], b: &[(Facet<N>, bool)]| {
             a.iter().filter(|f| b.binary_search(f).is_err()).map(|f| f.0).collect::<Vec<_>>()
         };
@@ -68,14 +69,20 @@ impl<const N: usize> Patch<N> {
     }
 }
 
-/// Facets that an odd number of the cells has, ascending, each with the orientation of its first cell.
-fn oriented_boundary<const N: usize>(cells: &[Cell<N>]) -> Vec<(Facet<N>, bool)> {
+/// Facets that an odd number of the cells has, ascending; each with its orientation where one cell has it and
+/// orientation is to count.
+fn boundary_of<const N: usize>(cells: &[Cell<N>], oriented: bool) -> Vec<(Facet<N>, bool)> {
     let mut all: Vec<_> = cells.iter().flat_map(facets).collect();
     all.sort_unstable();
-    all.chunk_by(|a, b| a.0 == b.0)
-        .filter(|run| run.len() % 2 == 1)
-        .map(|run| (run[0].0, run[0].1 && run.len() == 1))
-        .collect()
+    let odd = all.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() % 2 == 1);
+    odd.map(|run| (run[0].0, oriented && run.len() == 1 && run[0].1)).collect()
+}
+
+/// Whether the two cells of every inner facet pass it in opposite directions.
+fn is_coherent<const N: usize>(cells: &[Cell<N>]) -> bool {
+    let mut all: Vec<_> = cells.iter().flat_map(facets).collect();
+    all.sort_unstable();
+    all.chunk_by(|a, b| a.0 == b.0).all(|run| run.len() != 2 || run[0].1 != run[1].1)
 }
 
 /// Why an operator would not touch a site.

@@ -177,7 +177,7 @@ impl Build {
         let model = &analysis.model;
         let base = model.base_cells().len();
         if !self.json {
-            let rate = (mesh.cell_count() - base) as f64 / seconds.analysis_s.max(1e-9) / 1e3;
+            let rate = (mesh.cell_count() as f64 - base as f64) / seconds.analysis_s.max(1e-9) / 1e3;
             print_text(&format!(
                 "{}: {} triangles to {base} in {} modifications, {:.2} s ({rate:.0} thousand triangles a second); {}",
                 self.output.display(),

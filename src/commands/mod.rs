@@ -48,9 +48,6 @@ pub enum CommandError {
     /// The options ask for nothing that can be done.
     #[error(transparent)]
     Selection(#[from] SelectionError),
-    /// Drawing failed.
-    #[error("the picture cannot be drawn: {0}")]
-    Render(#[from] ::render::RenderError),
     /// Ctrl-C.
     #[error("interrupted; nothing was written")]
     Interrupted,

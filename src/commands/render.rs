@@ -99,7 +99,9 @@ impl Render {
             Painter::Gpu => Prefer::Gpu,
             Painter::Cpu => Prefer::Cpu,
         };
-        let (picture, painter) = render::paint(&scene, &from, prefer)?;
+        let drawn = render::paint(&scene, &from, prefer);
+        let (picture, painter) = drawn
+            .map_err(|error| files::FileError::new(&self.model, format!("the picture cannot be drawn: {error}")))?;
         files::write_bytes(&self.output, &picture.to_png())?;
         print_text(&format!(
             "{}: {} of {} triangles, drawn by {painter}",

@@ -4,10 +4,10 @@ use glam::Vec3;
 use mt_core::check::{Breach, Law, Random};
 use mt_core::model::{MultiTessellation, View};
 use mt_core::{Bound, Camera, Front, NodeId, Order};
-use std::time::Duration;
 use selective::{
     Criterion, InRegion, Limits, Region, ScreenError, State, Strategy, UniformError, Wish, adapt, extract, wish_closure,
 };
+use std::time::Duration;
 
 /// A criterion drawn at random: uniform, in a region, or on a screen.
 fn draw<const N: usize>(model: &impl MultiTessellation<N, Bound = Bound>, random: &mut Random) -> Wish {

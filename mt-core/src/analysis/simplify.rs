@@ -79,7 +79,7 @@ pub enum AnalysisError {
 
 /// Coarsens `mesh` by `operator` and records everything.
 ///
-/// `watch` hears of progress every few thousand modifications and answers whether to go on. The result is the same for
+/// `watch` hears of progress every few hundred sites and answers whether to go on. The result is the same for
 /// the same input, bit for bit. O(sites), besides what the operator costs; refused sites are tried
 /// again once the others are done, as long as that gets somewhere.
 pub fn simplify<const N: usize, O: Operator<N>>(
@@ -147,7 +147,7 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
             if self.options.until_cells.is_some_and(|wanted| cells <= wanted as usize) {
                 return Ok(Stopped::Cells);
             }
-            if turn.is_multiple_of(4096) && !watch(Progress { cells_in, cells }) {
+            if turn.is_multiple_of(256) && !watch(Progress { cells_in, cells }) {
                 return Ok(Stopped::Cancelled);
             }
             let Some(site) = self.queue.pop() else {

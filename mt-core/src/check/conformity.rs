@@ -64,7 +64,8 @@ impl<const N: usize> Domain<N> {
 /// Law 1: every modification keeps the combinatorial boundary of its patch towards the rest.
 ///
 /// The facets in which the boundaries of the two sides differ must be shared with no other cell, at the time of the
-/// modification in the sequence from base to reference: they are boundary of the domain. Gives the domain.
+/// modification in the sequence from base to reference: they are boundary of the domain. Where the input is a manifold, no
+/// facet has more than two cells on the way. Gives the domain.
 /// O(cells of all meshes).
 pub fn conformity<const N: usize>(model: &Explicit<N>) -> Result<Domain<N>, Breach> {
     let reference = model.reference();
@@ -75,6 +76,13 @@ pub fn conformity<const N: usize>(model: &Explicit<N>) -> Result<Domain<N>, Brea
             *count.entry(facet).or_default() += 1;
         }
     }
+    let crowd = count.iter().filter(|(_, n)| domain.manifold && **n > 2).map(|(facet, n)| (names(facet), *n)).min();
+    ensure!(
+        crowd.is_none(),
+        Law::CrackFree,
+        None,
+        "the input is a manifold, but in the base mesh (facet, cells) are {crowd:?}"
+    );
     domain.base_boundary = count.iter().filter(|(_, n)| **n % 2 == 1).map(|(facet, _)| *facet).collect();
     for m in (0..model.len()).rev().map(NodeId) {
         let patch = model.patch(m);
@@ -108,14 +116,29 @@ pub fn conformity<const N: usize>(model: &Explicit<N>) -> Result<Domain<N>, Brea
             domain.moves.insert(m, (coarse.clone(), fine.clone()));
         }
         for (facet, _) in patch.fine.iter().flat_map(facets) {
-            *count.entry(facet).or_default() += 1;
+            let cells = count.entry(facet).or_default();
+            *cells += 1;
+            let crowded = domain.manifold && *cells > 2;
+            ensure!(
+                !crowded,
+                Law::CrackFree,
+                m,
+                "node {m} gives facet {:?} a third cell, but the input is a manifold",
+                names(&facet)
+            );
         }
     }
     domain.boundary_fixed = domain.moves.is_empty();
     let input: FxHashSet<Facet<N>> = super::mesh::boundary_of(&reference.cells).into_iter().collect();
     let reached = domain.boundary_at(&Front::reference(model.len()));
     let lost = reached.symmetric_difference(&input).next();
-    ensure!(lost.is_none(), Law::Conformity, None, "facet {:?} is boundary of the input or of what the modifications make of the base mesh, not of both", lost.map(names));
+    ensure!(
+        lost.is_none(),
+        Law::Conformity,
+        None,
+        "facet {:?} is boundary of the input or of what the modifications make of the base mesh, not of both",
+        lost.map(names)
+    );
     Ok(domain)
 }
 

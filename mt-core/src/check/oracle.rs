@@ -72,7 +72,9 @@ pub fn front_determines_mesh<const N: usize, M: MultiTessellation<N>>(
     let same = other == *view && cells_of(model, &other.mesh) == cells;
     let size = view.front.len();
     ensure!(same, Law::FrontDeterminesMesh, None, "two ways to one front of {size} nodes end in different meshes");
-    let told = mirror.cells().map_err(|fault| Breach::new(Law::FrontDeterminesMesh, None, format!("the sink was told that {fault}")))?;
+    let told = mirror
+        .cells()
+        .map_err(|fault| Breach::new(Law::FrontDeterminesMesh, None, format!("the sink was told that {fault}")))?;
     let mut cells = cells;
     cells.sort_unstable();
     ensure!(told == cells, Law::FrontDeterminesMesh, None, "the sink was told another mesh than that of the front");

@@ -63,6 +63,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Vec<Section<'_>>, ContainerError> {
     if version > VERSION {
         return Err(ContainerError::Newer(version));
     }
+    if version == 0 {
+        return Err(ContainerError::Layout("there is no format version 0".into()));
+    }
     if count > SECTIONS_MAX {
         return Err(ContainerError::Altered("the head".into()));
     }

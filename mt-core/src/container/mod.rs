@@ -156,7 +156,13 @@ pub fn read<const N: usize>(bytes: &[u8]) -> Result<(Explicit<N>, Meta), Contain
     open(bytes)?.model()
 }
 
+/// The sections of version 1, each of which is there once.
+const SECTIONS: [&[u8; 4]; 8] = [b"META", b"POSI", b"CORN", b"CSTA", b"FSTA", b"FINE", b"PARE", b"BNDS"];
+
 fn model_of<const N: usize>(sections: &[Section<'_>], meta: &Meta) -> Result<Explicit<N>, ContainerError> {
+    if !sections.iter().map(|section| &section.name).eq(SECTIONS) {
+        return Err(ContainerError::Layout("the sections are not those of a model".into()));
+    }
     if meta.corners != N as u32 {
         return Err(ContainerError::Corners { found: meta.corners, wanted: N as u32 });
     }

@@ -101,18 +101,27 @@ impl<const N: usize> Parts<N> {
         if let Some(index) = self.positions.iter().position(bad) {
             return Err(Invalid::NotFinite { what: "vertex", index: index as u32 });
         }
+        self.check_bounds()?;
+        let inputs = self.coarse_start[0] as usize;
+        let good = |(i, cell): &(usize, &Cell<N>)| {
+            let vertices = if *i < inputs { self.input_vertex_count as usize } else { self.positions.len() };
+            cell.iter().all(|v| v.index() < vertices) && is_proper(cell)
+        };
+        match self.corners.iter().enumerate().find(|cell| !good(cell)) {
+            Some((index, _)) => Err(Invalid::Corners(CellId::new(index))),
+            None => Ok(()),
+        }
+    }
+
+    /// Bounds are finite; those of coordinates near the largest float are not.
+    pub(super) fn check_bounds(&self) -> Result<(), Invalid> {
         let bad = |b: &Bound| {
             !(b.center.is_finite() && b.radius >= 0.0 && b.radius.is_finite() && b.error >= 0.0 && b.error.is_finite())
         };
         if let Some(index) = self.bounds.iter().position(bad) {
             return Err(Invalid::NotFinite { what: "bound", index: index as u32 });
         }
-        let vertices = self.positions.len();
-        let good = |cell: &Cell<N>| cell.iter().all(|v| v.index() < vertices) && is_proper(cell);
-        match self.corners.iter().position(|cell| !good(cell)) {
-            Some(index) => Err(Invalid::Corners(CellId::new(index))),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     pub(super) fn fine_side(&self, m: usize) -> &[CellId] {

@@ -198,6 +198,7 @@ impl<const N: usize> Recorder<N> {
         let order = derive_order(&parts)?;
         parts.bounds = patch_bounds(&parts, &self.errors);
         grow_forest(&order, &mut parts.bounds, &mut parts.parents);
+        parts.check_bounds()?;
         Ok(Explicit::from_checked(parts, order)?)
     }
 

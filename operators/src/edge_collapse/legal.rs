@@ -53,17 +53,15 @@ pub(super) fn link_condition(
     if closes { Err(Refusal::Link) } else { Ok(()) }
 }
 
-/// The vertices around `u`, each once, written over `out`.
+/// The vertices around `u`, each once, written over `out`. O(degree log degree): a hub may have thousands.
 fn ring(complex: &Complex<3>, u: VertexId, out: &mut Vec<VertexId>) {
     out.clear();
     for (slot, i) in complex.star(u) {
         let cell = complex.cell(slot);
-        for w in [cell[(i + 1) % 3], cell[(i + 2) % 3]] {
-            if !out.contains(&w) {
-                out.push(w);
-            }
-        }
+        out.extend([cell[(i + 1) % 3], cell[(i + 2) % 3]]);
     }
+    out.sort_unstable();
+    out.dedup();
 }
 
 /// How many of the vertices around `v` are in `ring_of_u`, `u` not counted. Uses up the ring.

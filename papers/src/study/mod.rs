@@ -104,7 +104,10 @@ pub fn run(
             step("measuring")?;
             quality::measure(subject, operator, &model, config, &mut results);
             if let Some(size) = config.picture_px.filter(|_| i == 0) {
-                pictures::draw(subject, &model, config, size, &mut results)?;
+                // A picture that cannot be drawn is no reason to lose the numbers.
+                if let Err(error) = pictures::draw(subject, &model, config, size, &mut results) {
+                    results.notes.push(error.to_string());
+                }
             }
         }
     }

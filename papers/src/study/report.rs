@@ -49,6 +49,10 @@ pub fn page(results: &Results) -> String {
         let pictures = results.pictures.iter().filter(|p| p.name.starts_with(&format!("{model}-")));
         page.gallery_png(pictures.map(|p| (p.png.as_slice(), p.caption.as_str())));
     }
+    if !results.notes.is_empty() {
+        page.heading(2, "What could not be done");
+        page.list(&results.notes);
+    }
     if let Some(picture) = results.pictures.first() {
         page.paragraph(&format!("Pictures were drawn by {}.", picture.painter));
     }

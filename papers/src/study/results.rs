@@ -17,6 +17,8 @@ pub struct Results {
     pub observations: Vec<Observation>,
     /// One row for each model, operator and size.
     pub qualities: Vec<Quality>,
+    /// What could not be done, such as a picture of a model whose scale no camera can hold.
+    pub notes: Vec<String>,
     /// Pictures, without their bytes in JSON.
     pub pictures: Vec<Picture>,
 }
