@@ -190,7 +190,7 @@ pub fn mesh_format(path: &Path) -> Result<Format, FileError> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     Format::from_extension(ending)
         .filter(|format| format.is_writable())
-        .ok_or_else(|| FileError::new(path, "the ending tells no format that can be written (obj, ply, stl, glb)"))
+        .ok_or_else(|| FileError::new(path, "the ending tells no format that can be written (obj, ply, stl, off, glb)"))
 }
 
 /// Makes a folder and those above it; whether it was not there before.

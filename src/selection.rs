@@ -74,7 +74,10 @@ fn parse_region(text: &str) -> Result<Region, String> {
     if !(a.is_finite() && b.is_finite()) {
         return Err("the box must be finite".into());
     }
-    Ok(Region { low: a.min(b), high: a.max(b) })
+    if !a.cmple(b).all() {
+        return Err("the first corner must not exceed the second: x0 <= x1, y0 <= y1, z0 <= z1".into());
+    }
+    Ok(Region { low: a, high: b })
 }
 
 /// Why the options ask for nothing.
@@ -95,6 +98,11 @@ impl Selection {
         let camera: Camera = files::load_json(path)?;
         camera.check().map_err(|error| FileError::new(path, error))?;
         Ok(Some(camera))
+    }
+
+    /// Whether a number of cells is all that was asked for.
+    pub fn is_budget_only(&self) -> bool {
+        self.cells.is_some() && self.error.is_none() && self.camera.is_none() && self.time_ms.is_none()
     }
 
     fn wish(&self, camera: Option<&Camera>) -> Result<Wish, SelectionError> {

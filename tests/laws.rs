@@ -182,3 +182,16 @@ fn a_hub_of_thousands_of_triangles_takes_no_forever() {
         assert!(begun.elapsed().as_secs() < 20, "{boundary:?} took {:?}", begun.elapsed());
     }
 }
+
+#[test]
+fn flat_parts_go_before_edges_do() {
+    // Each face of a cube is flat: next to nothing of it is needed for no error at all. A site that was taken at the
+    // price of one target and led to another, dearer one, would tear its edges first and keep everything around them.
+    let cube = generate::sharp_box(16);
+    for operator in [EdgeCollapse::FULL, EdgeCollapse::HALF] {
+        let model = model_of(&cube, &operator);
+        let wish = selective::UniformError { error_max: cube.diagonal() as f32 * 1e-5 };
+        let (state, _) = selective::extract(&model, &wish, &selective::Limits::NONE, selective::Strategy::TopDown, ());
+        assert!(state.cell_count(&model) <= 60, "{} of {} triangles", state.cell_count(&model), cube.cell_count());
+    }
+}

@@ -57,10 +57,10 @@ impl<const N: usize> Patch<N> {
     /// The facets in which the boundaries of the two sides differ: those of the fine side alone, and of the coarse
     /// side alone. A modification conforms when none of them is shared with a cell outside the patch. O(patch log patch).
     ///
-    /// A boundary is what an odd number of cells has. Where both sides are coherently oriented, a facet that one cell has
+    /// A boundary is what an odd number of cells has. Where the fine side is coherently oriented, a facet that one cell has
     /// counts with its orientation, so a patch turned inside out differs from itself.
     pub fn boundary_difference(&self) -> (Vec<Facet<N>>, Vec<Facet<N>>) {
-        let oriented = is_coherent(&self.fine) && is_coherent(&self.coarse);
+        let oriented = is_coherent(&self.fine);
         let (fine, coarse) = (boundary_of(&self.fine, oriented), boundary_of(&self.coarse, oriented));
         let only = |a: &[(Facet<N>, bool)], b: &[(Facet<N>, bool)]| {
             a.iter().filter(|f| b.binary_search(f).is_err()).map(|f| f.0).collect::<Vec<_>>()

@@ -5,8 +5,8 @@ use crate::files;
 use crate::progress::Clock;
 use crate::selection::Selection;
 use clap::Args;
-use mt_core::MultiTessellation;
 use mt_core::model::mesh_of;
+use mt_core::{MultiTessellation, NodeId};
 use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -17,7 +17,7 @@ pub struct Extract {
     model: PathBuf,
     #[command(flatten)]
     selection: Selection,
-    /// Where to write the mesh: obj, ply, stl or glb
+    /// Where to write the mesh: obj, ply, stl, off or glb
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Tell the figures as JSON
@@ -36,6 +36,8 @@ impl Extract {
         let seconds = clock.wall();
         let mesh = mesh_of(&model, &state.view.mesh);
         files::write_mesh(&self.output, &mesh)?;
+        let unrefined = (0..model.len()).map(NodeId).filter(|&m| !state.front().is_refined(m));
+        let error = unrefined.map(|m| model.bound(m).error).fold(0.0, f32::max);
         if self.json {
             print_json(&json!({
                 "output": self.output,
@@ -46,6 +48,7 @@ impl Extract {
                 "coarsened": outcome.coarsened,
                 "forced": outcome.forced,
                 "complete": outcome.complete,
+                "error": error,
                 "seconds": seconds,
             }));
             return Ok(ExitCode::SUCCESS);
@@ -56,10 +59,11 @@ impl Extract {
                 format!("; the base mesh already has {base}, which no budget goes below")
             }
             true => String::new(),
+            _ if self.selection.is_budget_only() => String::new(),
             false => "; the criterion asks for more than the limits allow".into(),
         };
         print_text(&format!(
-            "{}: {} triangles, {} vertices ({} of {} modifications refined, {} of them forced) in {:.1} ms{note}",
+            "{}: {} triangles, {} vertices ({} of {} modifications refined, {} of them forced), error {error} left, in {:.1} ms{note}",
             self.output.display(),
             mesh.cell_count(),
             mesh.vertex_count(),

@@ -42,6 +42,8 @@ fn facts<const N: usize>(model: &Explicit<N>, meta: &Meta) -> Value {
     let terminal = nodes.clone().filter(|&m| order.needs(m).is_empty()).count();
     let leaves = nodes.filter(|&m| order.dependents(m).is_empty()).count();
     let parts = model.parts();
+    let input = model.reference();
+    let (diagonal, bounding_box) = (input.diagonal(), input.bounding_box());
     json!({
         "source": meta.source,
         "operator": meta.operator,
@@ -52,6 +54,8 @@ fn facts<const N: usize>(model: &Explicit<N>, meta: &Meta) -> Value {
         "cells_total": model.total_cell_count(),
         "vertices_total": parts.positions.len(),
         "modifications": model.len(),
+        "diagonal": diagonal,
+        "bounding_box": bounding_box.map(|(low, high)| [low.to_array(), high.to_array()]),
         "arcs": order.arc_count(),
         "depth": order.depth(),
         "terminal_modifications": terminal,
@@ -70,11 +74,15 @@ fn facts<const N: usize>(model: &Explicit<N>, meta: &Meta) -> Value {
             "arcs": order.bytes(),
             "discovery_forest": size_of_val(parts.parents.as_slice()),
             "bounds": size_of_val(parts.bounds.as_slice()),
-            "base": size_of_val(model.base_cells()),
+            "base_and_roots": size_of_val(model.base_cells()) + 4 * terminal,
         },
         "refusals": meta.refusals,
         "load_report": meta.load_report,
     })
+}
+
+fn get_corner(facts: &Value, i: usize) -> String {
+    facts["bounding_box"][i].to_string()
 }
 
 fn text(facts: &Value, meta: &Meta) -> String {
@@ -88,6 +96,7 @@ fn text(facts: &Value, meta: &Meta) -> String {
             get("cells_in"),
             get("corners")
         ),
+        format!("extent         {} to {}, diagonal {}", get_corner(facts, 0), get_corner(facts, 1), get("diagonal")),
         format!("base mesh      {} cells ({})", get("cells_base"), get("stopped")),
         format!(
             "modifications  {}, in an order of {} arcs and depth {}",

@@ -69,6 +69,9 @@ impl Render {
         if self.overlay.contains(&Overlay::Error) && self.overlay.contains(&Overlay::Level) {
             return Err(CommandError::Other("colours show either error or level, not both".into()));
         }
+        if self.from_outside && self.selection.camera.is_none() {
+            return Err(CommandError::Other("--from-outside shows the frustum of --camera, which is missing".into()));
+        }
         let camera = self.selection.load_camera()?;
         let (model, _) = files::load_triangles(&self.model)?;
         let (state, _) = self.selection.run(&model, camera.as_ref())?;

@@ -65,7 +65,7 @@ fn an_output_has_its_folder_and_its_ending() {
         ("history ball.mt -o out.mt", "out.mt"),
         ("extract ball.mt --error 0.1 -o nowhere/out.ply", "nowhere/out.ply"),
         ("extract ball.mt --error 0.1 -o folder.ply", "folder.ply"),
-        ("extract ball.mt --error 0.1 -o out.off", "out.off"),
+        ("extract ball.mt --error 0.1 -o out.gltf", "out.gltf"),
         ("extract ball.mt --error 0.1 -o out.gltf", "out.gltf"),
         ("extract ball.mt --error 0.1 -o out.mt", "out.mt"),
         ("extract ball.mt --error 0.1 -o out", "out"),

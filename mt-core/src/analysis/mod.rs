@@ -60,6 +60,11 @@ pub trait Operator<const N: usize> {
     /// Fills a cleared `plan`, or says why not.
     fn plan(&self, draft: &Draft<N>, aux: &Self::Aux, site: Self::Site, plan: &mut Plan<N>) -> Result<(), Refusal>;
 
+    /// Another way to act where this one was refused, at a price of its own.
+    fn alternative(&self, _site: Self::Site, _refusal: Refusal) -> Option<Self::Site> {
+        None
+    }
+
     /// Hears that `plan` was applied to `draft`, and adds the sites that are new or have a new price.
     fn applied(&self, draft: &Draft<N>, aux: &mut Self::Aux, plan: &Plan<N>, again: &mut Vec<Self::Site>);
 }

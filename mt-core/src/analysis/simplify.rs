@@ -167,14 +167,25 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
                 Err(Refusal::Stale) => {}
                 Err(refusal) => {
                     self.refusals.add(refusal);
-                    // What the boundary rule forbids it will forbid again.
-                    if refusal != Refusal::Boundary {
-                        self.parked.push(site);
-                    }
+                    self.put_off(site, refusal);
                 }
             }
         }
         Ok(if too_coarse { Stopped::Error } else { Stopped::Exhausted })
+    }
+
+    /// A refused site waits for its neighbourhood to change; another way to act there takes its own turn.
+    fn put_off(&mut self, site: O::Site, refusal: Refusal) {
+        let other = self.operator.alternative(site, refusal);
+        if let Some((other, price)) =
+            other.and_then(|other| Some((other, self.operator.price(&self.draft, &self.aux, other)?)))
+        {
+            self.queue.push(price, other);
+        }
+        // What the boundary rule forbids it will forbid again.
+        if refusal != Refusal::Boundary {
+            self.parked.push(site);
+        }
     }
 
     fn unpark(&mut self) {

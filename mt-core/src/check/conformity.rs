@@ -87,30 +87,21 @@ pub fn conformity<const N: usize>(model: &Explicit<N>) -> Result<Domain<N>, Brea
     for m in (0..model.len()).rev().map(NodeId) {
         let patch = model.patch(m);
         let (fine, coarse) = patch.boundary_difference();
+        let torn = fine.is_empty() && !coarse.is_empty();
+        ensure!(!torn, Law::Conformity, m, "the coarse side of node {m} has a boundary that its fine side has not");
         for facet in &coarse {
             let inside = patch.coarse.iter().flat_map(facets).filter(|(f, _)| f == facet).count() as i32;
-            let all = count.get(facet).copied().unwrap_or(0);
-            ensure!(
-                all == inside,
-                Law::Conformity,
-                m,
-                "node {m} opens facet {:?}, which {} other cells share",
-                names(facet),
-                all - inside
-            );
+            let others = count.get(facet).copied().unwrap_or(0) - inside;
+            let at = names(facet);
+            ensure!(others == 0, Law::Conformity, m, "node {m} opens facet {at:?}, which {others} other cells share");
         }
         for (facet, _) in patch.coarse.iter().flat_map(facets) {
             *count.entry(facet).or_default() -= 1;
         }
         for facet in &fine {
             let others = count.get(facet).copied().unwrap_or(0);
-            ensure!(
-                others == 0,
-                Law::Conformity,
-                m,
-                "node {m} lays boundary facet {:?} onto {others} other cells",
-                names(facet)
-            );
+            let at = names(facet);
+            ensure!(others == 0, Law::Conformity, m, "node {m} lays boundary facet {at:?} onto {others} other cells");
         }
         if !(fine.is_empty() && coarse.is_empty()) {
             domain.moves.insert(m, (coarse.clone(), fine.clone()));

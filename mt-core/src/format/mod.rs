@@ -71,7 +71,7 @@ impl Format {
 
     /// Whether meshes can be written in it; the others are only read.
     pub const fn is_writable(self) -> bool {
-        matches!(self, Self::Obj | Self::Ply | Self::Stl | Self::Glb)
+        !matches!(self, Self::Gltf)
     }
 
     /// The name for people.

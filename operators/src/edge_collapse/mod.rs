@@ -66,6 +66,8 @@ pub struct Edge {
     a: VertexId,
     b: VertexId,
     stamp: u32,
+    /// Whether to go for the second choice of target, because the first folds something over.
+    second: bool,
 }
 
 /// Quadrics, boundary flags and stamps of the vertices.
@@ -115,7 +117,7 @@ impl Operator<3> for EdgeCollapse {
                 aux.on_boundary[v.index()] = true;
             }
         }
-        sites.extend(edges.iter().map(|edge| Edge { a: edge.ends[0], b: edge.ends[1], stamp: 0 }));
+        sites.extend(edges.iter().map(|edge| Edge { a: edge.ends[0], b: edge.ends[1], stamp: 0, second: false }));
         Ok(aux)
     }
 
@@ -137,20 +139,19 @@ impl Operator<3> for EdgeCollapse {
         }
         legal::link_condition(&draft.complex, [site.a, site.b], boundary, aux.coherent, &mut plan.scratch)?;
         let quadric = aux.quadrics[site.a.index()] + aux.quadrics[site.b.index()];
-        let first = self.target(draft, aux, site, &quadric);
-        let mut refusal = Ok(());
-        for target in [Some(first), self.second_choice(draft, aux, site, &first)].into_iter().flatten() {
-            plan.error = quadric.distance(target.position.as_dvec3()) as f32;
-            if !plan.error.is_finite() || !target.position.is_finite() {
-                return Err(Refusal::NotFinite);
-            }
-            refusal = legal::fold_over(draft, [site.a, site.b], target.position, self.fold_cosine);
-            if refusal.is_ok() {
-                fill(draft, site, &target, plan);
-                return Ok(());
-            }
+        let target = self.target(draft, aux, site, &quadric);
+        plan.error = quadric.distance(target.position.as_dvec3()) as f32;
+        if !plan.error.is_finite() || !target.position.is_finite() {
+            return Err(Refusal::NotFinite);
         }
-        refusal
+        legal::fold_over(draft, [site.a, site.b], target.position, self.fold_cosine)?;
+        fill(draft, site, &target, plan);
+        Ok(())
+    }
+
+    fn alternative(&self, site: Edge, refusal: Refusal) -> Option<Edge> {
+        let folds = matches!(refusal, Refusal::FoldOver | Refusal::Degenerate);
+        (folds && !site.second).then_some(Edge { second: true, ..site })
     }
 
     fn applied(&self, draft: &Draft<3>, aux: &mut Aux, plan: &Plan<3>, again: &mut Vec<Edge>) {
@@ -203,28 +204,13 @@ impl EdgeCollapse {
         }
         match self.placement {
             Placement::End => {
-                let second = quadric.value(ends[1].as_dvec3()) < quadric.value(ends[0].as_dvec3());
-                Target { position: ends[usize::from(second)], kept: Some(if second { site.b } else { site.a }) }
+                let cheaper = usize::from(quadric.value(ends[1].as_dvec3()) < quadric.value(ends[0].as_dvec3()));
+                let chosen = if site.second { 1 - cheaper } else { cheaper };
+                Target { position: ends[chosen], kept: Some([site.a, site.b][chosen]) }
             }
+            Placement::Optimal if site.second => Target { position: ends[0].midpoint(ends[1]), kept: None },
             Placement::Optimal => {
                 Target { position: optimal(ends.map(|p| p.as_dvec3()), quadric).as_vec3(), kept: None }
-            }
-        }
-    }
-
-    /// What to try when the best target folds something over.
-    fn second_choice(&self, draft: &Draft<3>, aux: &Aux, site: Edge, first: &Target) -> Option<Target> {
-        if self.locked_end(aux, site).is_some() {
-            return None;
-        }
-        match self.placement {
-            Placement::End => {
-                let kept = if first.kept == Some(site.a) { site.b } else { site.a };
-                Some(Target { position: draft.positions[kept.index()], kept: Some(kept) })
-            }
-            Placement::Optimal => {
-                let middle = (draft.positions[site.a.index()] + draft.positions[site.b.index()]) * 0.5;
-                Some(Target { position: middle, kept: None })
             }
         }
     }
@@ -261,7 +247,7 @@ impl Aux {
     }
 
     fn edge(&self, u: VertexId, v: VertexId) -> Edge {
-        Edge { a: u.min(v), b: u.max(v), stamp: self.stamp(u, v) }
+        Edge { a: u.min(v), b: u.max(v), stamp: self.stamp(u, v), second: false }
     }
 }
 

@@ -18,7 +18,7 @@ pub fn page(results: &Results) -> String {
     page.list([
         "uniform: the same error everywhere, from 2 % of the diagonal down to 0.01 % along the path".to_owned(),
         "region: 0.02 % of the diagonal within a box that travels through the model, anything outside".to_owned(),
-        format!("screen: {} pixels of error on the screen, coarse outside the frustum", results.error_px),
+        format!("screen: {} px of error on the screen, coarse outside the frustum", results.error_px),
         "budget: the least error on the screen that a tenth of the input's triangles allow".to_owned(),
     ]);
     page.heading(2, "Models");
@@ -35,7 +35,7 @@ pub fn page(results: &Results) -> String {
     }
     page.heading(2, "Along the path");
     page.paragraph(
-        "Means over the frames. \"Forced\" are modifications that the criterion did not ask for, but that others need. \
+        "Means over the frames, under the explicit order. \"Forced\" are modifications that the criterion did not ask for, but that others need. \
          Minimality makes the sizes of all strategies equal where no budget is set; what differs is the work.",
     );
     page.table(&frames_table(&results.observations));
@@ -120,27 +120,16 @@ fn quality_table(results: &Results) -> Table {
 }
 
 fn frames_table(observations: &[Observation]) -> Table {
-    let titles = [
-        "model",
-        "operator",
-        "dependency",
-        "criterion",
-        "strategy",
-        "triangles",
-        "vertices",
-        "refined",
-        "coarsened",
-        "forced",
-        "ms",
-    ];
+    let titles =
+        ["model", "operator", "criterion", "strategy", "triangles", "vertices", "refined", "coarsened", "forced", "ms"];
     type Key<'a> = (&'a str, &'a str, &'a str, &'a str, &'a str);
     let mut groups: BTreeMap<Key<'_>, Vec<&Observation>> = BTreeMap::new();
     for o in observations {
         groups.entry((&o.model, &o.operator, o.dependency, o.criterion, o.strategy)).or_default().push(o);
     }
-    let row = |((model, operator, dependency, criterion, strategy), group): (Key<'_>, Vec<&Observation>)| {
+    let row = |((model, operator, _, criterion, strategy), group): (Key<'_>, Vec<&Observation>)| {
         let mean = |value: fn(&Observation) -> f64| group.iter().map(|o| value(o)).sum::<f64>() / group.len() as f64;
-        let mut row: Vec<String> = [model, operator, dependency, criterion, strategy].map(str::to_owned).to_vec();
+        let mut row: Vec<String> = [model, operator, criterion, strategy].map(str::to_owned).to_vec();
         row.push(format!("{:.0}", mean(|o| f64::from(o.triangles))));
         row.push(format!("{:.0}", mean(|o| o.vertices as f64)));
         row.push(format!("{:.0}", mean(|o| f64::from(o.refined))));
@@ -149,7 +138,7 @@ fn frames_table(observations: &[Observation]) -> Table {
         row.push(format!("{:.2}", mean(|o| o.seconds * 1e3)));
         row
     };
-    Table { caption: String::new(), columns: columns(&titles, 5), rows: groups.into_iter().map(row).collect() }
+    Table { caption: String::new(), columns: columns(&titles, 4), rows: groups.into_iter().map(row).collect() }
 }
 
 fn quality_plot(results: &Results, model: &str) -> Lines {
