@@ -1,6 +1,6 @@
 //! Extraction along the camera path, for every criterion and strategy.
 
-use super::{Config, Observation, Results, Subject, camera_path};
+use super::{Config, Observation, Results, Steps, StudyError, Subject, camera_path};
 use mt_core::{Bits, Camera, Explicit, MultiTessellation};
 use selective::{InRegion, Limits, Outcome, Region, ScreenError, State, Strategy, UniformError, Wish, adapt, extract};
 use std::time::Instant;
@@ -17,7 +17,14 @@ const CRITERIA: [&str; 4] = ["uniform", "region", "screen", "budget"];
 const STRATEGIES: [&str; 3] = ["top-down", "priority", "incremental"];
 
 /// Observes every combination.
-pub(super) fn observe(subject: &Subject, operator: &str, model: &Explicit<3>, config: &Config, results: &mut Results) {
+pub(super) fn observe(
+    subject: &Subject,
+    operator: &str,
+    model: &Explicit<3>,
+    config: &Config,
+    results: &mut Results,
+    steps: &mut Steps<'_>,
+) -> Result<(), StudyError> {
     let cameras = camera_path(&subject.mesh, config.frames);
     let mut seen = Bits::new(model.positions().len() as u32);
     for criterion in CRITERIA {
@@ -26,6 +33,7 @@ pub(super) fn observe(subject: &Subject, operator: &str, model: &Explicit<3>, co
             if criterion == "budget" && strategy == "top-down" {
                 continue;
             }
+            steps.go_on(&subject.name)?;
             let mut state = State::new(model, ());
             for (frame, camera) in cameras.iter().enumerate() {
                 let query = query(criterion, subject, config, camera, frame);
@@ -49,6 +57,7 @@ pub(super) fn observe(subject: &Subject, operator: &str, model: &Explicit<3>, co
             }
         }
     }
+    Ok(())
 }
 
 fn answer(model: &Explicit<3>, query: &Query, strategy: &str, state: &mut State<3, Explicit<3>, ()>) -> Outcome {

@@ -85,23 +85,14 @@ pub fn run(
     watch: &mut dyn FnMut(&str, f32) -> bool,
 ) -> Result<Results, StudyError> {
     let mut results = Results { frames: config.frames, error_px: config.error_px, ..Results::default() };
-    let parts = (subjects.len() * config.operators.len() * 3) as f32;
-    let mut done = 0.0;
+    let mut steps = Steps { watch, done: 0, all: subjects.len() * config.operators.len() * 3 };
     for subject in subjects {
         for (i, (operator, collapse)) in config.operators.iter().enumerate() {
-            let mut step = |what: &str| {
-                done += 1.0;
-                if watch(&format!("{} {operator}: {what}", subject.name), (done - 1.0) / parts) {
-                    Ok(())
-                } else {
-                    Err(StudyError::Cancelled)
-                }
-            };
-            step("building")?;
-            let model = build(subject, operator, collapse, &mut results)?;
-            step("extracting")?;
-            frames::observe(subject, operator, &model, config, &mut results);
-            step("measuring")?;
+            steps.next(subject, operator, "building")?;
+            let model = build(subject, operator, collapse, &mut results, &mut steps)?;
+            steps.next(subject, operator, "extracting")?;
+            frames::observe(subject, operator, &model, config, &mut results, &mut steps)?;
+            steps.next(subject, operator, "measuring")?;
             quality::measure(subject, operator, &model, config, &mut results);
             if let Some(size) = config.picture_px.filter(|_| i == 0) {
                 // A picture that cannot be drawn is no reason to lose the numbers.
@@ -114,17 +105,41 @@ pub fn run(
     Ok(results)
 }
 
+/// How far a study is, and whom to tell.
+struct Steps<'a> {
+    watch: &'a mut dyn FnMut(&str, f32) -> bool,
+    done: usize,
+    all: usize,
+}
+
+impl Steps<'_> {
+    /// The next step begins.
+    fn next(&mut self, subject: &Subject, operator: &str, what: &str) -> Result<(), StudyError> {
+        self.done += 1;
+        self.go_on(&format!("{} {operator}: {what}", subject.name))
+    }
+
+    /// The step goes on, unless somebody asked to stop.
+    fn go_on(&mut self, what: &str) -> Result<(), StudyError> {
+        let share = (self.done.max(1) - 1) as f32 / self.all as f32;
+        if (self.watch)(what, share) { Ok(()) } else { Err(StudyError::Cancelled) }
+    }
+}
+
 fn build(
     subject: &Subject,
     operator: &str,
     collapse: &EdgeCollapse,
     results: &mut Results,
+    steps: &mut Steps<'_>,
 ) -> Result<Explicit<3>, StudyError> {
     let begun = Instant::now();
-    let analysis = simplify(&subject.mesh, collapse, &Options::default(), &mut |_| true)
+    let analysis = simplify(&subject.mesh, collapse, &Options::default(), &mut |_| steps.go_on(&subject.name).is_ok())
         .map_err(|error| StudyError::Analysis(subject.name.clone(), error))?;
     let seconds = begun.elapsed().as_secs_f64();
-    debug_assert_ne!(analysis.stopped, Stopped::Cancelled);
+    if analysis.stopped == Stopped::Cancelled {
+        return Err(StudyError::Cancelled);
+    }
     let model = analysis.model;
     results.built.push(Built {
         model: subject.name.clone(),
