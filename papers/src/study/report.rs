@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 /// The page, with everything in it.
 pub fn page(results: &Results) -> String {
     let mut page = Page::new("Study of Multi-Tessellations");
+    page.paragraph(&format!("Made by mtess {}.", env!("CARGO_PKG_VERSION")));
     page.paragraph(&format!(
         "Each model was coarsened to the end by each operator and every step was kept. A camera then went once around it \
          in {} frames, from afar to close by and back, and each criterion was answered by each strategy: from the base \
@@ -123,9 +124,14 @@ fn frames_table(observations: &[Observation]) -> Table {
     let titles =
         ["model", "operator", "criterion", "strategy", "triangles", "vertices", "refined", "coarsened", "forced", "ms"];
     type Key<'a> = (&'a str, &'a str, &'a str, &'a str, &'a str);
-    let mut groups: BTreeMap<Key<'_>, Vec<&Observation>> = BTreeMap::new();
+    // Observations of one combination follow each other.
+    let mut groups: Vec<(Key<'_>, Vec<&Observation>)> = Vec::new();
     for o in observations {
-        groups.entry((&o.model, &o.operator, o.dependency, o.criterion, o.strategy)).or_default().push(o);
+        let key: Key<'_> = (&o.model, &o.operator, o.dependency, o.criterion, o.strategy);
+        match groups.last_mut().filter(|(last, _)| *last == key) {
+            Some((_, group)) => group.push(o),
+            None => groups.push((key, vec![o])),
+        }
     }
     let row = |((model, operator, _, criterion, strategy), group): (Key<'_>, Vec<&Observation>)| {
         let mean = |value: fn(&Observation) -> f64| group.iter().map(|o| value(o)).sum::<f64>() / group.len() as f64;
