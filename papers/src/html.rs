@@ -163,7 +163,7 @@ const STYLE: &str = "\
   :root { --text: #dcdcd6; --page: #17181a; --line: #3b3d40; --quiet: #9a9c96; --shade: #202225; }
 }
 body { margin: 0; background: var(--page); color: var(--text); font: 17px/1.55 system-ui, sans-serif; }
-main { max-width: 60rem; margin: 0 auto; padding: 2.5rem 1.25rem 5rem; }
+main { max-width: 76rem; margin: 0 auto; padding: 2.5rem 1.25rem 5rem; }
 h1, h2, h3, h4 { line-height: 1.2; font-weight: 650; text-wrap: balance; }
 h1 { font-size: 2rem; margin: 0 0 1.5rem; }
 h2 { font-size: 1.4rem; margin: 3rem 0 0.75rem; }
