@@ -1,9 +1,9 @@
 //! Every law on generated meshes of every kind, for every operator: conformity, cells, crack-freeness, inverse,
 //! front-determines-mesh, ends, determinism, order, closure, minimality, saturation.
 
-use mt_core::analysis::{Options, Stopped, simplify};
+use mt_core::analysis::{Draft, Operator, Options, Stopped, simplify};
 use mt_core::generate::{self, Named};
-use mt_core::{ErrorKind, Mesh, MultiTessellation, check};
+use mt_core::{ErrorKind, Mesh, MultiTessellation, Refusal, check};
 use mt_tests::model_of;
 use multi_tessellation::verify;
 use operators::EdgeCollapse;
@@ -185,13 +185,32 @@ fn a_hub_of_thousands_of_triangles_takes_no_forever() {
 
 #[test]
 fn flat_parts_go_before_edges_do() {
-    // Each face of a cube is flat: next to nothing of it is needed for no error at all. A site that was taken at the
-    // price of one target and led to another, dearer one, would tear its edges first and keep everything around them.
+    // Each face of a cube is flat: next to nothing of it is needed for no error at all.
     let cube = generate::sharp_box(16);
     for operator in [EdgeCollapse::FULL, EdgeCollapse::HALF] {
         let model = model_of(&cube, &operator);
         let wish = selective::UniformError { error_max: cube.diagonal() as f32 * 1e-5 };
         let (state, _) = selective::extract(&model, &wish, &selective::Limits::NONE, selective::Strategy::TopDown, ());
         assert!(state.cell_count(&model) <= 60, "{} of {} triangles", state.cell_count(&model), cube.cell_count());
+    }
+}
+
+#[test]
+fn a_second_choice_is_taken_at_its_own_price() {
+    // It is never cheaper than the first, or it would be done before its time and tear what is sharp.
+    let mesh = generate::bumpy_sphere(3, 0.2, 5);
+    let draft = Draft::new(&mesh);
+    for operator in [EdgeCollapse::FULL, EdgeCollapse::HALF] {
+        let mut sites = Vec::new();
+        let aux = operator.prepare(&draft, &mut sites).unwrap();
+        let mut dearer = 0;
+        for site in sites {
+            let second = operator.alternative(site, Refusal::FoldOver).expect("a first choice has a second");
+            assert_eq!(operator.alternative(second, Refusal::FoldOver), None);
+            let [first, second] = [site, second].map(|site| operator.price(&draft, &aux, site).unwrap());
+            assert!(second >= first * 0.999_999, "{second} < {first}");
+            dearer += u32::from(second > first * 1.01);
+        }
+        assert!(dearer > 100, "only {dearer} second choices cost more");
     }
 }

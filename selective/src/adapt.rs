@@ -11,7 +11,7 @@ use std::time::Instant;
 ///
 /// Without a budget: one sweep over the front by rank coarsens all that is no longer needed, then what lies under the
 /// front is judged and refined. O(front + changes). Under a time limit the expansion goes by urgency; what is left out
-/// is made up for by later calls. The limit is on steps: the front is always judged once, some ten nanoseconds a node.
+/// is made up for by later calls. The limit is on steps: the front is always judged once.
 ///
 /// Under a budget of cells the front that fits is found first, by priority from the base mesh and in a view of its own,
 /// and then approached by the steps that are missing, so a still camera comes to rest at once. O(front log front +

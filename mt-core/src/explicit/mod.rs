@@ -6,7 +6,7 @@
 //! a cell of its coarse side.
 //!
 //! Where the bytes go, per node of a full edge collapse of a closed triangle mesh (about one node and two triangles an
-//! input vertex; `k` cells killed, about 10, `k - 2` made, `a` arcs, about 5):
+//! input vertex; `k` cells killed, about 9, `k - 2` made, `a` arcs, about 4):
 //!
 //! | what | bytes |
 //! |---|---|

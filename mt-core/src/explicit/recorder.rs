@@ -240,7 +240,7 @@ fn patch_bounds<const N: usize>(parts: &Parts<N>, errors: &[f32]) -> Vec<Bound> 
 /// Hangs each node under that of its needs whose sphere grows least by it, and grows the bound there.
 ///
 /// One sweep: what is discovered under a node has a smaller id, so a node's own bound is final when its turn comes.
-/// Spheres end up 1.1 to 1.3 times those of the patches on scans; under the need that comes first they were 2.5 times.
+/// Spheres end up 1.1 to 1.3 times those of the patches on scans; under the need that comes first they were up to 2.5 times.
 fn grow_forest(order: &Order, bounds: &mut [Bound], parents: &mut [NodeId]) {
     for m in (0..order.len()).map(NodeId) {
         let child = bounds[m.index()];
