@@ -125,6 +125,12 @@ pub trait MultiTessellation<const N: usize>: Sync {
     /// What must be coarsened before `m`, for a refined `m`.
     fn obstacles(&self, m: NodeId, view: &View<Self::Mesh>, out: &mut Vec<NodeId>) -> Coarsen;
 
+    /// The nodes that a coarse step makes at once: a contiguous run that ends in the node of highest rank and holds `m`.
+    /// A fan's merges are one run; everywhere else a node is a run of its own.
+    fn run(&self, m: NodeId) -> std::ops::RangeInclusive<NodeId> {
+        m..=m
+    }
+
     /// Replaces the coarse side of `m` by its fine side. Requires: no prerequisites, and `m` not refined.
     /// The front is the caller's to change: see [`take`].
     fn refine(&self, m: NodeId, mesh: &mut Self::Mesh, sink: &mut impl Sink<N>);

@@ -15,7 +15,8 @@ pub struct Plan<const N: usize> {
     pub kills: Vec<Slot>,
     /// The coarse side. `makes[i]` takes the slot of `kills[i]`: keep corners in place where cells correspond.
     pub makes: Vec<Cell<N>>,
-    /// Vertices whose whole star dies.
+    /// Vertices whose whole star dies. A plan that merges vertices retires them in the order in which they are merged:
+    /// into `kept`, or all of them into the one new vertex.
     pub retired: Vec<VertexId>,
     /// Positions of new vertices, which get the next free ids in this order.
     pub vertices: Vec<Vec3>,
@@ -23,6 +24,9 @@ pub struct Plan<const N: usize> {
     pub kept: Option<VertexId>,
     /// Error of the coarse side, in model units.
     pub error: f32,
+    /// Where several vertices are retired one after the other into `kept` (a fan): the error after each of them, in the
+    /// order of `retired`, not falling. Empty where one error is all there is.
+    pub errors: Vec<f32>,
     /// Room for an operator's own work while it plans; means nothing afterwards.
     pub scratch: Vec<VertexId>,
 }
@@ -36,6 +40,7 @@ impl<const N: usize> Plan<N> {
         self.vertices.clear();
         self.kept = None;
         self.error = 0.0;
+        self.errors.clear();
     }
 
     /// Both sides as cells of the complex that the plan was made for. O(patch).

@@ -1,13 +1,15 @@
 //! Analysis: an operator coarsens a mesh, the recorder listens, a model comes out.
 //!
-//! `simplify` = price, take, plan, apply, record, price again. An operator plans purely; nothing is changed before the
+//! [`analyse`] = price, take, plan, apply, record, price again. An operator plans purely; nothing is changed before the
 //! plan is good.
 
+mod listener;
 mod measure;
 mod queue;
 mod simplify;
 
-pub use simplify::{Analysis, AnalysisError, Options, Progress, Stopped, simplify};
+pub use listener::Listener;
+pub use simplify::{Analysis, AnalysisError, Ended, Options, Progress, Stopped, analyse, simplify};
 
 use crate::complex::Complex;
 use crate::mesh::Mesh;

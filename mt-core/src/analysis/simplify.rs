@@ -2,7 +2,7 @@
 
 use super::measure::Measure;
 use super::queue::Queue;
-use super::{Draft, Operator, Unfit};
+use super::{Draft, Listener, Operator, Unfit};
 use crate::check;
 use crate::explicit::{ErrorKind, Explicit, HistoryError, Recorder};
 use crate::mesh::Mesh;
@@ -54,6 +54,15 @@ pub struct Analysis<const N: usize> {
     pub stopped: Stopped,
 }
 
+/// How an analysis ended.
+#[derive(Copy, Clone, Debug)]
+pub struct Ended {
+    /// Refused plans by reason; a site may be refused more than once.
+    pub refusals: RefusalCounts,
+    /// Why it ended.
+    pub stopped: Stopped,
+}
+
 /// How far analysis is.
 #[derive(Copy, Clone, Debug)]
 pub struct Progress {
@@ -77,24 +86,36 @@ pub enum AnalysisError {
     History(#[from] HistoryError),
 }
 
-/// Coarsens `mesh` by `operator` and records everything.
-///
-/// `watch` hears of progress every few hundred sites and answers whether to go on. The result is the same for
-/// the same input, bit for bit. O(sites), besides what the operator costs; refused sites are tried
-/// again once the others are done, as long as that gets somewhere.
+/// Coarsens `mesh` by `operator` and records everything as an explicit model: [`analyse`] with a [`Recorder`].
 pub fn simplify<const N: usize, O: Operator<N>>(
     mesh: &Mesh<N>,
     operator: &O,
     options: &Options,
     watch: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Analysis<N>, AnalysisError> {
+    let mut recorder = Recorder::new(mesh)?;
+    let Ended { refusals, stopped } = analyse(mesh, operator, options, &mut recorder, watch)?;
+    Ok(Analysis { model: recorder.finish(options.error_kind)?, refusals, stopped })
+}
+
+/// Coarsens `mesh` by `operator` and tells `listener` of every modification.
+///
+/// `watch` hears of progress every few hundred sites and answers whether to go on. The result is the same for
+/// the same input, bit for bit. O(sites), besides what the operator costs; refused sites are tried
+/// again once the others are done, as long as that gets somewhere.
+pub fn analyse<const N: usize, O: Operator<N>>(
+    mesh: &Mesh<N>,
+    operator: &O,
+    options: &Options,
+    listener: &mut impl Listener<N>,
+    watch: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Ended, AnalysisError> {
     if options.error_kind == ErrorKind::Measured && N != 3 {
         return Err(AnalysisError::Measured(N));
     }
-    let mut recorder = Recorder::new(mesh)?;
     let mut work = Work::new(mesh, operator, options)?;
-    let stopped = work.run(&mut recorder, watch)?;
-    Ok(Analysis { model: recorder.finish(options.error_kind)?, refusals: work.refusals, stopped })
+    let stopped = work.run(listener, watch)?;
+    Ok(Ended { refusals: work.refusals, stopped })
 }
 
 struct Work<'a, const N: usize, O: Operator<N>> {
@@ -136,7 +157,7 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
 
     fn run(
         &mut self,
-        recorder: &mut Recorder<N>,
+        listener: &mut impl Listener<N>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Stopped, AnalysisError> {
         let cells_in = self.draft.complex.cell_count();
@@ -161,7 +182,7 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
             match self.try_site(site) {
                 Ok(()) if self.options.until_error.is_some_and(|most| self.plan.error > most) => too_coarse = true,
                 Ok(()) => {
-                    self.apply(recorder)?;
+                    self.apply(listener)?;
                     applied_since_parking = true;
                 }
                 Err(Refusal::Stale) => {}
@@ -201,23 +222,17 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
         self.operator.plan(&self.draft, &self.aux, site, &mut self.plan)?;
         if let Some(measure) = &mut self.measure {
             self.plan.error = measure.of_plan(&self.draft, &self.plan);
+            // What was measured is the whole; the operator's errors of its parts are in another currency.
+            self.plan.errors.clear();
         }
         Ok(())
     }
 
-    fn apply(&mut self, recorder: &mut Recorder<N>) -> Result<(), HistoryError> {
+    fn apply(&mut self, listener: &mut impl Listener<N>) -> Result<(), HistoryError> {
         debug_assert_eq!(check::plan(&self.draft.complex, &self.plan), Ok(()), "{} plans badly", self.operator.name());
-        for &slot in &self.plan.kills {
-            recorder.kill(self.draft.complex.name(slot))?;
-        }
-        for &position in &self.plan.vertices {
-            recorder.vertex(position)?;
-        }
+        listener.applying(&self.draft, &self.plan)?;
         self.draft.apply(&self.plan, &mut self.slots);
-        for (&slot, &corners) in self.slots.iter().zip(&self.plan.makes) {
-            self.draft.complex.set_name(slot, recorder.make(corners)?);
-        }
-        recorder.end(self.plan.error)?;
+        listener.applied(&mut self.draft, &self.plan, &self.slots)?;
         if let Some(measure) = &mut self.measure {
             measure.applied(&self.slots);
         }
