@@ -33,7 +33,16 @@ pub struct Complex<const N: usize> {
     cells: Vec<Place<N>>,
     /// Of each vertex: its first corner.
     first: Vec<u32>,
+    /// Slots that plans have emptied.
     free: Vec<Slot>,
+    live: u32,
+}
+
+/// The same cells in the same slots, whatever the order in which stars are threaded.
+impl<const N: usize> PartialEq for Complex<N> {
+    fn eq(&self, other: &Self) -> bool {
+        self.live == other.live && self.cells().eq(other.cells())
+    }
 }
 
 impl<const N: usize> Complex<N> {
@@ -49,6 +58,7 @@ impl<const N: usize> Complex<N> {
                 .collect(),
             first: vec![NONE; vertex_count],
             free: Vec::new(),
+            live: cells.len() as u32,
         };
         for slot in (0..cells.len() as u32).rev() {
             for i in 0..N {
@@ -58,9 +68,16 @@ impl<const N: usize> Complex<N> {
         complex
     }
 
+    /// A complex of empty slots, for cells that come and go by name: see [`Self::put`].
+    pub fn vacant(vertex_count: usize, slot_count: usize) -> Self {
+        let cells = vec![Place::FREE; slot_count];
+        Self { cells, first: vec![NONE; vertex_count], free: Vec::new(), live: 0 }
+    }
+
     /// Number of live cells.
+    #[inline]
     pub fn cell_count(&self) -> usize {
-        self.cells.len() - self.free.len()
+        self.live as usize
     }
 
     /// Number of vertices ever made, live or not.
@@ -169,6 +186,7 @@ impl<const N: usize> Complex<N> {
                 None => {
                     self.replace(slot, &[VertexId::NONE; N], &plan.retired);
                     self.free.push(slot);
+                    self.live -= 1;
                 }
             }
         }
@@ -183,7 +201,86 @@ impl<const N: usize> Complex<N> {
             self.cells.len() as u32 - 1
         });
         self.replace(slot, cell, &[]);
+        self.live += 1;
         slot
+    }
+
+    /// Puts a cell into an empty slot. O(1).
+    #[inline]
+    pub fn put(&mut self, slot: Slot, corners: Cell<N>) {
+        debug_assert!(!self.is_live(slot), "slot {slot} is taken");
+        self.cells[slot as usize].corners = corners;
+        for i in 0..N {
+            self.link_corner(slot, i);
+        }
+        self.live += 1;
+    }
+
+    /// Empties a slot. O(stars of its corners).
+    #[inline]
+    pub fn remove(&mut self, slot: Slot) {
+        debug_assert!(self.is_live(slot), "slot {slot} is empty");
+        for i in 0..N {
+            self.unlink_corner(slot, i);
+        }
+        self.cells[slot as usize].corners = [VertexId::NONE; N];
+        self.live -= 1;
+    }
+
+    /// The star of `from` becomes that of `to`: each cell around `from` gets `to` for that corner, and is told to `moved`;
+    /// a cell that has `to` already is emptied, and told to `died`. O(star of `from`), and for each cell that dies the
+    /// stars of its other corners.
+    #[inline]
+    pub fn merge_star(
+        &mut self,
+        from: VertexId,
+        to: VertexId,
+        mut moved: impl FnMut(Slot, &Cell<N>),
+        mut died: impl FnMut(Slot),
+    ) {
+        let mut corner = std::mem::replace(&mut self.first[from.index()], NONE);
+        while corner != NONE {
+            let (slot, i) = (corner / N as u32, corner as usize % N);
+            let place = &mut self.cells[slot as usize];
+            let after = place.next[i];
+            if place.corners.contains(&to) {
+                for k in (0..N).filter(|&k| k != i) {
+                    self.unlink_corner(slot, k);
+                }
+                self.cells[slot as usize].corners = [VertexId::NONE; N];
+                self.live -= 1;
+                died(slot);
+            } else {
+                place.corners[i] = to;
+                place.next[i] = std::mem::replace(&mut self.first[to.index()], corner);
+                moved(slot, &place.corners);
+            }
+            corner = after;
+        }
+    }
+
+    /// Deals out the star of `from`: each cell around it gets what `choose` says for that corner, which may be `from`
+    /// itself; the others are told to `moved`. O(star of `from`).
+    #[inline]
+    pub fn split_star(
+        &mut self,
+        from: VertexId,
+        mut choose: impl FnMut(Slot, usize) -> VertexId,
+        mut moved: impl FnMut(Slot, &Cell<N>),
+    ) {
+        let mut corner = std::mem::replace(&mut self.first[from.index()], NONE);
+        while corner != NONE {
+            let (slot, i) = (corner / N as u32, corner as usize % N);
+            let to = choose(slot, i);
+            let place = &mut self.cells[slot as usize];
+            let after = place.next[i];
+            place.corners[i] = to;
+            place.next[i] = std::mem::replace(&mut self.first[to.index()], corner);
+            if to != from {
+                moved(slot, &place.corners);
+            }
+            corner = after;
+        }
     }
 
     fn replace(&mut self, slot: Slot, new: &Cell<N>, retired: &[VertexId]) {

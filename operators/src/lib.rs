@@ -29,5 +29,6 @@
 
 pub mod edge_collapse;
 pub mod metric;
+pub mod order;
 
 pub use edge_collapse::EdgeCollapse;

@@ -2,9 +2,11 @@
 //!
 //! The checkers are `mt_core::check`; law 10 is checked here, because it needs selective refinement.
 
+mod hierarchy;
 mod minimality;
 mod shrink;
 
+pub use hierarchy::hierarchy;
 pub use minimality::minimality;
 
 use mt_core::analysis::{Operator, simplify};
@@ -81,7 +83,9 @@ pub fn explicit<const N: usize>(
         state.steps.clear();
         let case = Random::new(random.bits());
         if let Err(breach) = laws.at(&mut state.view, &mut case.clone(), &mut summary) {
-            return Err(Box::new(shrink::counterexample(&laws, breach, &front, &case)));
+            let found_at = front.len();
+            let (front, breach) = shrink::smallest(&order, &front, breach, |smaller| laws.broken(smaller, &case));
+            return Err(Box::new(finish(model, breach, front, found_at)));
         }
     }
     Ok(summary)
@@ -108,15 +112,15 @@ fn held(summary: &mut Summary, law: Law) {
 }
 
 /// What the laws at a front are judged by.
-pub(crate) struct Laws<'a, const N: usize> {
-    pub(crate) model: &'a Explicit<N>,
-    pub(crate) order: &'a Order,
-    pub(crate) domain: &'a Domain<N>,
+struct Laws<'a, const N: usize> {
+    model: &'a Explicit<N>,
+    order: &'a Order,
+    domain: &'a Domain<N>,
 }
 
 impl<const N: usize> Laws<'_, N> {
     /// Every law at the front of `view`, which is left as it was.
-    pub(crate) fn at(
+    fn at(
         &self,
         view: &mut View<mt_core::explicit::Alive>,
         random: &mut Random,
@@ -145,6 +149,12 @@ impl<const N: usize> Laws<'_, N> {
         held(summary, Law::Minimality);
         Ok(())
     }
+
+    fn broken(&self, front: &Front, case: &Random) -> Option<Breach> {
+        let mut state = State::new(self.model, ());
+        approach(self.model, front, &mut state);
+        self.at(&mut state.view, &mut case.clone(), &mut Summary::new()).err()
+    }
 }
 
 /// A breach that is no front's: it shows at the least front that has the node.
@@ -154,12 +164,7 @@ fn counterexample_of_whole<const N: usize>(model: &Explicit<N>, breach: Breach) 
     finish(model, breach, front.clone(), front.len())
 }
 
-pub(crate) fn finish<const N: usize>(
-    model: &Explicit<N>,
-    breach: Breach,
-    front: Front,
-    found_at: u32,
-) -> Counterexample<N> {
+fn finish<const N: usize>(model: &Explicit<N>, breach: Breach, front: Front, found_at: u32) -> Counterexample<N> {
     let mut state = State::new(model, ());
     approach(model, &front, &mut state);
     let patch = breach.node.filter(|m| m.0 < model.len()).map(|m| (m, model.patch(m)));

@@ -6,9 +6,10 @@ mod tetrahedral;
 pub use shell::real_files;
 pub use tetrahedral::VertexIntoNeighbour;
 
-use mt_core::analysis::{Options, simplify};
-use mt_core::{Explicit, Mesh};
+use mt_core::analysis::{Operator, Options, analyse, simplify};
+use mt_core::{Explicit, Mesh, Recorder, Replay, Sequence};
 use operators::EdgeCollapse;
+use std::sync::Arc;
 
 /// The model of a mesh, coarsened to the end.
 ///
@@ -16,4 +17,15 @@ use operators::EdgeCollapse;
 /// Where the operator does not take the mesh.
 pub fn model_of(mesh: &Mesh<3>, operator: &EdgeCollapse) -> Explicit<3> {
     simplify(mesh, operator, &Options::default(), &mut |_| true).expect("the mesh is a manifold").model
+}
+
+/// The explicit model and the replay of one sequence of merges.
+///
+/// # Panics
+/// Where the operator does not take the mesh, or does not merge vertices.
+pub fn both_of<O: Operator<3>>(mesh: &Mesh<3>, operator: &O) -> (Explicit<3>, Arc<Replay>) {
+    let mut listener = (Recorder::new(mesh).expect("a mesh"), Sequence::new(mesh));
+    analyse(mesh, operator, &Options::default(), &mut listener, &mut |_| true).expect("the operator takes the mesh");
+    let model = listener.0.finish(Default::default()).expect("a history");
+    (model, Arc::new(Replay::new(mesh, &[], &listener.1).expect("a sequence")))
 }

@@ -1,6 +1,7 @@
 //! Laws on an explicit model as a whole: conformity of each modification, cells, saturation.
 
 use super::{Breach, Law, ensure};
+use crate::bound::Bound;
 use crate::cell::{Facet, facets};
 use crate::complex::Complex;
 use crate::explicit::Explicit;
@@ -43,6 +44,11 @@ pub struct Content {
 }
 
 impl<const N: usize> Domain<N> {
+    /// The domain of a mesh, as far as the mesh itself tells it; nothing moves its boundary. O(cells log cells).
+    pub fn of_mesh(mesh: &crate::Mesh<N>) -> Self {
+        super::mesh::domain_of(mesh)
+    }
+
     /// The boundary of the mesh of a closed front. O(boundary + nodes of the front).
     pub fn boundary_at(&self, front: &Front) -> FxHashSet<Facet<N>> {
         let mut boundary = self.base_boundary.clone();
@@ -166,7 +172,6 @@ pub fn cells<const N: usize>(model: &Explicit<N>) -> Result<(), Breach> {
 /// Bounds contain their patch and the bounds of what is discovered under them; errors are not negative. Since
 /// containment of spheres and order of errors do not depend on a camera, this holds for all of them. O(cells).
 pub fn saturation<const N: usize>(model: &Explicit<N>) -> Result<(), Breach> {
-    let mut children = Vec::new();
     for m in (0..model.len()).map(NodeId) {
         let bound = model.bound(m);
         let patch = model.patch(m);
@@ -179,6 +184,15 @@ pub fn saturation<const N: usize>(model: &Explicit<N>) -> Result<(), Breach> {
                 "vertex {v} of node {m} is outside its sphere"
             );
         }
+    }
+    forest_saturation(model)
+}
+
+/// Saturation along the discovery forest of any model with bounds. O(nodes).
+pub fn forest_saturation<const N: usize, M: MultiTessellation<N, Bound = Bound>>(model: &M) -> Result<(), Breach> {
+    let mut children = Vec::new();
+    for m in (0..model.len()).map(NodeId) {
+        let bound = model.bound(m);
         children.clear();
         model.children(m, &mut children);
         for &child in &children {

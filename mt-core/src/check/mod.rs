@@ -9,14 +9,16 @@ mod fronts;
 mod mesh;
 mod mirror;
 mod oracle;
+mod quotient;
 mod steps;
 
 pub use crate::random::Random;
-pub use conformity::{Content, Domain, Moved, cells, conformity, plan, saturation};
+pub use conformity::{Content, Domain, Moved, cells, conformity, forest_saturation, plan, saturation};
 pub use fronts::random_front;
 pub use mesh::crack_free;
 pub use mirror::Mirror;
 pub use oracle::{front_determines_mesh, set_algebra};
+pub use quotient::{active_ancestors, boundary_chain, dual_pieces, is_cut, quotient};
 pub use steps::{closure, ends, inverse, order, order_from_cells, order_of};
 
 use crate::id::NodeId;
@@ -47,6 +49,10 @@ pub enum Law {
     Minimality,
     /// Bounds contain the bounds of what is discovered under them.
     Saturation,
+    /// The mesh of a front is the quotient of the input by its active vertices.
+    Quotient,
+    /// The dual pieces of the active vertices cover the input, are disjoint, and any two share one portion of boundary.
+    Partition,
 }
 
 impl std::fmt::Display for Law {
@@ -63,6 +69,8 @@ impl std::fmt::Display for Law {
             Law::Closure => "closure",
             Law::Minimality => "minimality",
             Law::Saturation => "saturation",
+            Law::Quotient => "quotient",
+            Law::Partition => "partition",
         })
     }
 }

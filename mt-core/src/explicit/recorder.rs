@@ -72,6 +72,9 @@ pub enum HistoryError {
     /// Calls after the last `end` are not part of any modification.
     #[error("the last modification was not ended")]
     Unfinished,
+    /// A modification that is not a merge of vertices into one; there is no vertex hierarchy of such.
+    #[error("the modification does not merge vertices into one, as a vertex hierarchy needs")]
+    NotMerge,
     /// The arrays do not make a model.
     #[error(transparent)]
     Invalid(#[from] Invalid),

@@ -4,9 +4,11 @@
 
 mod petgraph_view;
 mod rows;
+mod sparse;
 
 pub use petgraph_view::Arc;
 pub use rows::Rows;
+pub use sparse::SparseRows;
 
 use crate::front::Front;
 use crate::id::NodeId;

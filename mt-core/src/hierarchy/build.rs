@@ -1,0 +1,300 @@
+//! From a sequence of merges to a replay: the forest, its spans, what each node makes appear, and saturated bounds.
+
+use super::mesh::VertexMesh;
+use super::replay::{Merge, Node, Replay, Runs, Span};
+use super::sequence::Sequence;
+use crate::bound::{Bound, Cone, cone_of_cells};
+use crate::cell::{Cell, is_proper};
+use crate::id::{CellId, NodeId, VertexId};
+use crate::mesh::Mesh;
+use glam::Vec3;
+
+/// A sequence that is not one of merges of this mesh.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum InvalidSequence {
+    /// It is one of another mesh.
+    #[error("the sequence is one of a mesh of {told} vertices, not of {found}")]
+    OtherMesh {
+        /// Vertices that the sequence speaks of.
+        told: u32,
+        /// Vertices of the mesh.
+        found: usize,
+    },
+    /// Arrays that go together differ in length, or a merge has no child.
+    #[error("the array of {0} does not fit the others")]
+    Shape(&'static str),
+    /// A merge takes a vertex that is not there.
+    #[error("merge {merge} takes vertex {vertex}, which is merged already or not made yet")]
+    Taken {
+        /// The merge, by number.
+        merge: u32,
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// A position, error, radius or size is out of range.
+    #[error("{what} {index} is not a finite number in range")]
+    NotFinite {
+        /// Of what.
+        what: &'static str,
+        /// Which.
+        index: usize,
+    },
+    /// A triangle or virtual edge of the input has a corner that is no vertex, or one twice.
+    #[error("cell {0} of the input has a corner that is no vertex, or one corner twice")]
+    Corners(usize),
+    /// More than 32-bit ids can name.
+    #[error("more vertices than 32-bit ids can name")]
+    TooLarge,
+}
+
+/// Why there is no vertex hierarchy.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum HierarchyError {
+    /// The sequence is none.
+    #[error(transparent)]
+    Sequence(#[from] InvalidSequence),
+    /// A scheme does not take this sequence.
+    #[error("{scheme} does not take this sequence: {why}; first nodes concerned: {places}")]
+    Unfit {
+        /// The scheme.
+        scheme: &'static str,
+        /// What is in the way.
+        why: &'static str,
+        /// The first few nodes.
+        places: String,
+    },
+    /// An order lacks something that soundness needs.
+    #[error(
+        "the order is unsound: node {node} must wait for node {needed}, which its needs do not lead to (the two cut vertices of node {node} would be one)"
+    )]
+    Unsound {
+        /// The node that is refined too early.
+        node: NodeId,
+        /// What it must wait for.
+        needed: NodeId,
+    },
+    /// Rows that are no order.
+    #[error(transparent)]
+    Order(#[from] crate::order::OrderError),
+}
+
+impl Replay {
+    /// The replay of a sequence of merges of `mesh`, with virtual edges between vertices of `mesh`.
+    ///
+    /// O(vertices + triangles + the stars that the merges change).
+    pub fn new(mesh: &Mesh<3>, pairs: &[Cell<2>], sequence: &Sequence) -> Result<Self, InvalidSequence> {
+        check(mesh, pairs, sequence)?;
+        let merged_at = forest(sequence)?;
+        let (merges, ranks) = spans(sequence, &merged_at);
+        let mut positions = mesh.positions.clone();
+        positions.extend_from_slice(&sequence.positions);
+        let nodes = sequence.children.iter().zip(&sequence.errors);
+        let mut replay = Replay {
+            cells: mesh.cells.clone(),
+            pairs: pairs.to_vec(),
+            positions,
+            ranks,
+            merged_at,
+            merges,
+            nodes: nodes.map(|(&child, &error)| Node { child, error, radius: 0.0, cone: Cone::EMPTY }).collect(),
+            runs: runs(sequence),
+            kept: sequence.kept.clone(),
+            born_start: vec![0],
+            born: Vec::with_capacity(mesh.cells.len()),
+            born_pair_start: if pairs.is_empty() { Vec::new() } else { vec![0] },
+            born_pair: Vec::with_capacity(pairs.len()),
+            base_cells: Vec::new(),
+            base_pairs: Vec::new(),
+            roots: Vec::new(),
+        };
+        replay.coarsen_all();
+        replay.saturate();
+        replay.roots = (0..replay.len()).map(NodeId).filter(|&m| replay.parent(m).is_none()).collect();
+        let bad = replay.nodes.iter().position(|node| !node.radius.is_finite());
+        bad.map_or(Ok(replay), |index| Err(InvalidSequence::NotFinite { what: "the radius of node", index }))
+    }
+
+    /// Takes every merge in turn: what dies at a node is what it makes appear; what is around it bounds it.
+    fn coarsen_all(&mut self) {
+        let mut mesh = VertexMesh::of_input(self);
+        let mut patch = PatchBound::default();
+        for m in (0..self.len()).map(NodeId) {
+            let of_patch = patch.measure(self, &mesh, m);
+            let (mut cells, mut pairs) = (Vec::new(), Vec::new());
+            mesh.join(
+                self,
+                m,
+                |_, _| {},
+                |slot, is_pair| if is_pair { pairs.push(CellId(slot)) } else { cells.push(CellId(slot)) },
+            );
+            cells.sort_unstable();
+            self.born.append(&mut cells);
+            self.born_start.push(self.born.len() as u32);
+            if !self.pairs.is_empty() {
+                pairs.sort_unstable();
+                self.born_pair.append(&mut pairs);
+                self.born_pair_start.push(self.born_pair.len() as u32);
+            }
+            let cone = patch.cone_after(self, &mesh, m).union(of_patch.1);
+            let node = &mut self.nodes[m.index()];
+            (node.radius, node.cone) = (of_patch.0, cone);
+        }
+        self.born.shrink_to_fit();
+        self.base_cells = mesh.faces.cells().map(|(slot, corners)| (CellId(slot), *corners)).collect();
+        self.base_pairs = mesh.links.cells().map(|(slot, ends)| (CellId(slot), *ends)).collect();
+    }
+
+    /// Grows each node's bound until it holds those under it; these have smaller ids, so one sweep does.
+    fn saturate(&mut self) {
+        for m in (0..self.len()).map(NodeId) {
+            let Some(parent) = self.parent(m) else { continue };
+            let (own, above) = (self.bound(m), self.bound(parent));
+            let node = &mut self.nodes[parent.index()];
+            node.error = node.error.max(own.error);
+            node.cone = node.cone.union(own.cone);
+            node.radius = radius_around(above.center, above.radius, &own);
+        }
+    }
+}
+
+/// The least radius, rounded up, of a sphere about `center` that holds `inner`, not below `radius`.
+fn radius_around(center: Vec3, radius: f32, inner: &Bound) -> f32 {
+    let apart = center.as_dvec3().distance(inner.center.as_dvec3());
+    let reach = (apart + f64::from(inner.radius)) * (1.0 + 1e-14);
+    let grown = if apart == 0.0 { inner.radius } else { (reach as f32).next_up() };
+    radius.max(grown)
+}
+
+fn check(mesh: &Mesh<3>, pairs: &[Cell<2>], sequence: &Sequence) -> Result<(), InvalidSequence> {
+    use InvalidSequence::{Corners, NotFinite, OtherMesh, Shape, TooLarge};
+    if sequence.input_vertex_count as usize != mesh.vertex_count() {
+        return Err(OtherMesh { told: sequence.input_vertex_count, found: mesh.vertex_count() });
+    }
+    let (merges, nodes) = (sequence.centers.len(), sequence.children.len());
+    if mesh.vertex_count() + merges >= u32::MAX as usize || mesh.cell_count() >= u32::MAX as usize / 3 {
+        return Err(TooLarge);
+    }
+    let starts = &sequence.starts;
+    let ascends = starts.windows(2).all(|pair| pair[0] < pair[1]);
+    if starts.len() != merges + 1 || starts[0] != 0 || starts[merges] as usize != nodes || !ascends {
+        return Err(Shape("runs"));
+    }
+    if sequence.positions.len() != merges {
+        return Err(Shape("positions"));
+    }
+    if sequence.errors.len() != nodes {
+        return Err(Shape("errors"));
+    }
+    let not_finite = |p: &Vec3| !p.is_finite();
+    if let Some(index) = mesh.positions.iter().chain(&sequence.positions).position(not_finite) {
+        return Err(NotFinite { what: "the position of vertex", index });
+    }
+    if let Some(index) = sequence.errors.iter().position(|error| !(error.is_finite() && *error >= 0.0)) {
+        return Err(NotFinite { what: "the error of node", index });
+    }
+    let fits = |v: &VertexId| v.index() < mesh.vertex_count();
+    if let Some(index) = mesh.cells.iter().position(|cell| !(cell.iter().all(fits) && is_proper(cell))) {
+        return Err(Corners(index));
+    }
+    if let Some(index) = pairs.iter().position(|pair| !(pair.iter().all(fits) && is_proper(pair))) {
+        return Err(Corners(mesh.cell_count() + index));
+    }
+    Ok(())
+}
+
+/// Of each vertex: where it is merged. Each merge may take what is there and not taken.
+fn forest(sequence: &Sequence) -> Result<Vec<NodeId>, InvalidSequence> {
+    let leaves = sequence.input_vertex_count;
+    let mut merged_at = vec![NodeId::NONE; (leaves + sequence.merge_count()) as usize];
+    for merge in 0..sequence.merge_count() {
+        let (first, end) = (sequence.starts[merge as usize], sequence.starts[merge as usize + 1]);
+        let children = (first..end).map(|m| (sequence.children[m as usize], m));
+        for (vertex, m) in std::iter::once((sequence.centers[merge as usize], first)).chain(children) {
+            if vertex.0 >= leaves + merge || !merged_at[vertex.index()].is_none() {
+                return Err(InvalidSequence::Taken { merge, vertex });
+            }
+            merged_at[vertex.index()] = NodeId(m);
+        }
+    }
+    Ok(merged_at)
+}
+
+/// The spans of the merged vertices, and the ranks of the leaves: roots one after the other, and under each vertex its
+/// centre before its children.
+fn spans(sequence: &Sequence, merged_at: &[NodeId]) -> (Vec<Merge>, Vec<u32>) {
+    let leaves = sequence.input_vertex_count as usize;
+    let merges = sequence.centers.len();
+    let mut size = vec![1u32; leaves + merges];
+    let parts = |merge: usize| {
+        let children = sequence.starts[merge] as usize..sequence.starts[merge + 1] as usize;
+        std::iter::once(sequence.centers[merge]).chain(sequence.children[children].iter().copied())
+    };
+    for merge in 0..merges {
+        size[leaves + merge] = parts(merge).map(|v| size[v.index()]).sum();
+    }
+    let mut first = vec![0u32; leaves + merges];
+    let mut next = 0;
+    for v in (0..leaves + merges).filter(|&v| merged_at[v].is_none()) {
+        first[v] = next;
+        next += size[v];
+    }
+    for merge in (0..merges).rev() {
+        let mut at = first[leaves + merge];
+        for v in parts(merge) {
+            first[v.index()] = at;
+            at += size[v.index()];
+        }
+    }
+    let span = |v: usize| Span { first: first[v], end: first[v] + size[v] };
+    let made = (0..merges).map(|f| Merge { center: sequence.centers[f], span: span(leaves + f) }).collect();
+    first.truncate(leaves);
+    (made, first)
+}
+
+fn runs(sequence: &Sequence) -> Runs {
+    if sequence.centers.len() == sequence.children.len() {
+        return Runs::Single;
+    }
+    let sizes = sequence.starts.windows(2).map(|pair| (pair[1] - pair[0]) as usize);
+    let merge_of = sizes.enumerate().flat_map(|(merge, size)| std::iter::repeat_n(merge as u32, size)).collect();
+    Runs::Many { starts: sequence.starts.clone(), merge_of }
+}
+
+/// Measures patches in buffers of its own.
+#[derive(Default)]
+struct PatchBound {
+    corners: Vec<[Vec3; 3]>,
+    vectors: Vec<Vec3>,
+}
+
+impl PatchBound {
+    /// The radius about the vertex of `m` of the triangles around centre and child, and the cone of their normals.
+    fn measure(&mut self, replay: &Replay, mesh: &VertexMesh, m: NodeId) -> (f32, Cone) {
+        let run = replay.run_of(replay.merge_of(m));
+        let vertex = replay.vertex(m);
+        let center = if m == *run.start() { replay.merge(replay.merge_of(m)).center } else { vertex };
+        let child = replay.node(m).child;
+        self.gather(replay, mesh, [center, child]);
+        let about = replay.positions[vertex.index()].as_dvec3();
+        let ends = [center, child].map(|v| replay.positions[v.index()]);
+        let points = self.corners.iter().flatten().chain(&ends);
+        let reach = points.map(|p| p.as_dvec3().distance_squared(about)).fold(0.0, f64::max).sqrt();
+        (((reach * (1.0 + 1e-14)) as f32).next_up(), cone_of_cells(&self.corners, &mut self.vectors))
+    }
+
+    fn cone_after(&mut self, replay: &Replay, mesh: &VertexMesh, m: NodeId) -> Cone {
+        let vertex = replay.vertex(m);
+        self.gather(replay, mesh, [vertex, vertex]);
+        cone_of_cells(&self.corners, &mut self.vectors)
+    }
+
+    fn gather(&mut self, replay: &Replay, mesh: &VertexMesh, ends: [VertexId; 2]) {
+        self.corners.clear();
+        let distinct = if ends[0] == ends[1] { &ends[..1] } else { &ends[..] };
+        for &end in distinct {
+            for (slot, _) in mesh.faces.star(end) {
+                self.corners.push(mesh.faces.cell(slot).map(|v| replay.positions[v.index()]));
+            }
+        }
+    }
+}

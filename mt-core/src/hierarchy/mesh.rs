@@ -1,0 +1,202 @@
+//! The current mesh of a vertex hierarchy: triangles, virtual edges and who is active, changed star by star.
+
+use super::replay::Replay;
+use crate::bits::Bits;
+use crate::cell::Cell;
+use crate::complex::{Complex, Slot};
+use crate::id::{CellId, NodeId, VertexId};
+use crate::model::Sink;
+
+/// Run-time state of a view of a vertex hierarchy. A slot is a cell of the input.
+///
+/// Per triangle of the input 32 bytes, per virtual edge 32, per vertex of the forest 4 and a bit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VertexMesh {
+    /// The triangles.
+    pub faces: Complex<3>,
+    /// The virtual edges.
+    pub links: Complex<2>,
+    /// The vertices of the forest that stand for their leaves now.
+    pub active: Bits,
+}
+
+impl VertexMesh {
+    pub(super) fn of_input(replay: &Replay) -> Self {
+        let vertices = replay.vertex_count();
+        let mut active = Bits::new(vertices);
+        (0..replay.leaf_count()).for_each(|v| _ = active.insert(v));
+        let linked = if replay.pairs.is_empty() { 0 } else { vertices as usize };
+        Self {
+            faces: Complex::new(vertices as usize, &replay.cells),
+            links: Complex::new(linked, &replay.pairs),
+            active,
+        }
+    }
+
+    pub(super) fn of_base(replay: &Replay) -> Self {
+        let vertices = replay.vertex_count();
+        let mut active = Bits::new(vertices);
+        (0..vertices).filter(|&v| replay.merged_at[v as usize].is_none()).for_each(|v| _ = active.insert(v));
+        let linked = if replay.pairs.is_empty() { 0 } else { vertices as usize };
+        let mut faces = Complex::vacant(vertices as usize, replay.cells.len());
+        let mut links = Complex::vacant(linked, replay.pairs.len());
+        replay.base_cells.iter().for_each(|(cell, corners)| faces.put(cell.0, *corners));
+        replay.base_pairs.iter().for_each(|(pair, ends)| links.put(pair.0, *ends));
+        Self { faces, links, active }
+    }
+
+    /// Whether `v` stands for its leaves.
+    #[inline]
+    pub fn is_active(&self, v: VertexId) -> bool {
+        self.active.contains(v.0)
+    }
+
+    /// The vertices that share a triangle or a virtual edge with `v`, some more than once.
+    #[inline]
+    pub fn ring(&self, v: VertexId) -> impl Iterator<Item = VertexId> + '_ {
+        let faces = self.faces.star(v).flat_map(move |(slot, i)| {
+            let cell = self.faces.cell(slot);
+            [cell[(i + 1) % 3], cell[(i + 2) % 3]]
+        });
+        let linked = v.index() < self.links.vertex_count();
+        let links = linked.then(|| self.links.star(v).map(|(slot, i)| self.links.cell(slot)[1 - i]));
+        faces.chain(links.into_iter().flatten())
+    }
+
+    /// The active vertex above an input vertex. O(depth).
+    pub fn above(&self, replay: &Replay, leaf: VertexId) -> VertexId {
+        let mut v = leaf;
+        while !self.is_active(v) {
+            v = replay.vertex(replay.merged_at(v));
+        }
+        v
+    }
+
+    /// The active vertex above an input vertex that is expected in one of these rings: O(rings) by spans, else O(depth).
+    #[inline]
+    fn above_near(&self, replay: &Replay, leaf: VertexId, near: [VertexId; 2]) -> VertexId {
+        let rank = replay.rank(leaf);
+        let found = near.into_iter().flat_map(|v| self.ring(v)).find(|&w| replay.span(w).contains(rank));
+        found.unwrap_or_else(|| self.above(replay, leaf))
+    }
+
+    #[inline]
+    fn split(&mut self, replay: &Replay, m: NodeId, sink: &mut impl Sink<3>) {
+        let split = Split::new(replay, m);
+        let Split { vertex, center, child, .. } = split;
+        self.faces.split_star(
+            vertex,
+            |slot, i| split.side(replay, replay.cells[slot as usize][i]).unwrap_or(center),
+            |slot, corners| sink.relabel(CellId(slot), *corners),
+        );
+        for &cell in replay.born(m) {
+            let corners = replay.cells[cell.index()]
+                .map(|leaf| split.side(replay, leaf).unwrap_or_else(|| self.above_near(replay, leaf, [child, center])));
+            self.faces.put(cell.0, corners);
+            sink.make(cell, corners);
+        }
+        if !replay.pairs.is_empty() {
+            self.split_links(replay, m, &split);
+        }
+        if center != vertex {
+            self.active.remove(vertex.0);
+            self.active.insert(center.0);
+        }
+        self.active.insert(child.0);
+    }
+
+    fn split_links(&mut self, replay: &Replay, m: NodeId, split: &Split) {
+        let side = |slot: Slot, i| split.side(replay, replay.pairs[slot as usize][i]).unwrap_or(split.center);
+        self.links.split_star(split.vertex, side, |_, _| {});
+        for &pair in replay.born_pairs(m) {
+            let ends: Cell<2> = replay.pairs[pair.index()].map(|leaf| split.side(replay, leaf).expect("an end of it"));
+            self.links.put(pair.0, ends);
+        }
+    }
+
+    #[inline]
+    fn merge(&mut self, replay: &Replay, m: NodeId, sink: &mut impl Sink<3>) {
+        for &cell in replay.born(m) {
+            self.faces.remove(cell.0);
+            sink.kill(cell);
+        }
+        for &pair in replay.born_pairs(m) {
+            self.links.remove(pair.0);
+        }
+        self.join(replay, m, |slot, corners| sink.relabel(CellId(slot), *corners), |_, _| {});
+    }
+
+    /// Merges and finds out what dies; virtual edges are told with `true`. This is how a replay is built.
+    pub(super) fn join(
+        &mut self,
+        replay: &Replay,
+        m: NodeId,
+        mut moved: impl FnMut(Slot, &Cell<3>),
+        mut died: impl FnMut(Slot, bool),
+    ) {
+        let Split { vertex, center, child, .. } = Split::new(replay, m);
+        for from in [center, child] {
+            if from == vertex {
+                continue;
+            }
+            self.faces.merge_star(from, vertex, &mut moved, |slot| died(slot, false));
+            if !replay.pairs.is_empty() {
+                self.links.merge_star(from, vertex, |_, _| {}, |slot| died(slot, true));
+            }
+            self.active.remove(from.0);
+        }
+        self.active.insert(vertex.0);
+    }
+}
+
+impl Replay {
+    /// Takes the child of `m` out of its vertex. Requires: the vertex is active, and `m` the latest coarse node of its run.
+    ///
+    /// O(star), without allocation or hashing.
+    #[inline]
+    pub fn refine(&self, m: NodeId, mesh: &mut VertexMesh, sink: &mut impl Sink<3>) {
+        mesh.split(self, m, sink);
+    }
+
+    /// Puts the child of `m` into its vertex. Requires: child and centre are active, where the centre of a run that is
+    /// coarse in part is the merged vertex. O(stars), without allocation or hashing.
+    #[inline]
+    pub fn coarsen(&self, m: NodeId, mesh: &mut VertexMesh, sink: &mut impl Sink<3>) {
+        mesh.merge(self, m, sink);
+    }
+}
+
+/// What a node does to names: the vertex falls into the centre, which may be itself, and the child.
+struct Split {
+    vertex: VertexId,
+    /// What stays when the child goes: the vertex itself while others of the run are merged, else the centre.
+    center: VertexId,
+    child: VertexId,
+    of_center: super::Span,
+    of_child: super::Span,
+}
+
+impl Split {
+    #[inline]
+    fn new(replay: &Replay, m: NodeId) -> Self {
+        let number = replay.merge_of(m);
+        let merge = replay.merge(number);
+        let vertex = VertexId(replay.leaf_count() + number);
+        let child = replay.node(m).child;
+        let of_child = replay.span(child);
+        let center = if m == *replay.run_of(number).start() { merge.center } else { vertex };
+        let of_center = super::Span { first: merge.span.first, end: of_child.first };
+        Self { vertex, center, child, of_center, of_child }
+    }
+
+    /// On which side an input vertex is, if it is under the vertex at all.
+    #[inline]
+    fn side(&self, replay: &Replay, leaf: VertexId) -> Option<VertexId> {
+        let rank = replay.rank(leaf);
+        if self.of_child.contains(rank) {
+            Some(self.child)
+        } else {
+            self.of_center.contains(rank).then_some(self.center)
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! The needs of each static scheme, by one sweep: the sequence is replayed on the input, and at each node the mesh
+//! around it is what it was at analysis.
+
+use super::lowest::Lowest;
+use mt_core::hierarchy::{HierarchyError, VertexMesh};
+use mt_core::{Front, NodeId, Replay, VertexId, View};
+
+type Entries = Vec<(NodeId, NodeId)>;
+
+/// The mesh just before node `m` is coarsened: its two vertices, and everything around them.
+pub(super) struct Before<'a> {
+    pub(super) m: NodeId,
+    /// The vertex that stays, and the one that joins.
+    pub(super) ends: [VertexId; 2],
+    pub(super) view: &'a View<VertexMesh>,
+}
+
+/// Coarsens everything in the sequence of analysis.
+pub(super) fn sweep(replay: &Replay, mut visit: impl FnMut(Before<'_>)) {
+    let mut view = View { front: Front::reference(replay.len()), mesh: replay.reference_mesh() };
+    for m in (0..replay.len()).map(NodeId) {
+        visit(Before { m, ends: ends(replay, m), view: &view });
+        replay.coarsen(m, &mut view.mesh, &mut ());
+        view.front.set(m, false);
+    }
+}
+
+/// The vertex that stays when `m` is coarsened, and the one that joins.
+pub(super) fn ends(replay: &Replay, m: NodeId) -> [VertexId; 2] {
+    let merge = replay.merge_of(m);
+    let first = *replay.run_of(merge).start();
+    [if m == first { replay.merge(merge).center } else { replay.vertex(m) }, replay.node(m).child]
+}
+
+/// Every vertex around the merged one is there or refined, across virtual edges as well.
+pub(super) fn one_ring(replay: &Replay) -> Entries {
+    let mut entries = Vec::new();
+    let mut ring = Vec::new();
+    sweep(replay, |Before { m, ends, view }| {
+        ring.clear();
+        ring.extend(ends.into_iter().flat_map(|end| view.mesh.ring(end)).filter(|w| !ends.contains(w)));
+        ring.sort_unstable();
+        ring.dedup();
+        let made = ring.iter().map(|&w| replay.next(w, &view.front));
+        entries.extend(made.filter(|node| !node.is_none()).map(|node| (m, node)));
+    });
+    entries
+}
+
+/// A node needs those that replaced a cell it had made. A merge that keeps its centre changes the child's cells alone.
+pub(super) fn explicit(replay: &Replay) -> Entries {
+    let mut entries = Vec::new();
+    let mut maker = vec![NodeId::NONE; replay.cells().len()];
+    sweep(replay, |Before { m, ends, view }| {
+        let changed = if replay.keeps_center(replay.merge_of(m)) { &ends[1..] } else { &ends[..] };
+        for (slot, _) in changed.iter().flat_map(|&end| view.mesh.faces.star(end)) {
+            let made = std::mem::replace(&mut maker[slot as usize], m);
+            if !made.is_none() && made != m {
+                entries.push((made, m));
+            }
+        }
+    });
+    entries
+}
+
+/// The vertices opposite the edge are there or refined.
+pub(super) fn cut_pair(replay: &Replay) -> Entries {
+    let mut entries = Vec::new();
+    sweep(replay, |Before { m, ends, view }| {
+        for cell in replay.born(m) {
+            let opposite = view.mesh.faces.cell(cell.0).iter().find(|w| !ends.contains(w));
+            let made = opposite.map(|&w| replay.next(w, &view.front)).filter(|node| !node.is_none());
+            entries.extend(made.map(|node| (m, node)));
+        }
+    });
+    entries
+}
+
+/// The triangles beside those that die, across the edges that do not, are there.
+pub(super) fn four_face(replay: &Replay) -> Entries {
+    let mut death = vec![NodeId::NONE; replay.cells().len()];
+    for m in (0..replay.len()).map(NodeId) {
+        replay.born(m).iter().for_each(|cell| death[cell.index()] = m);
+    }
+    let mut entries = Vec::new();
+    sweep(replay, |Before { m, ends, view }| {
+        let faces = &view.mesh.faces;
+        for cell in replay.born(m) {
+            let Some(&apex) = faces.cell(cell.0).iter().find(|w| !ends.contains(w)) else { continue };
+            for end in ends {
+                let beside = faces.star(end).find(|&(slot, _)| slot != cell.0 && faces.cell(slot).contains(&apex));
+                let node = beside.map(|(slot, _)| death[slot as usize]).filter(|node| !node.is_none());
+                entries.extend(node.map(|node| (m, node)));
+            }
+        }
+    });
+    entries
+}
+
+/// The lowest common ancestor of the fundamental cut vertices: the third corners, in the input, of the two triangles
+/// that die. At a boundary there is one, which cannot coincide with another.
+pub(super) fn dual_piece(replay: &Replay) -> Entries {
+    let lowest = Lowest::new(replay);
+    let cuts_of = |m: NodeId| {
+        let own = replay.span_at(m);
+        let third = move |cell: &mt_core::CellId| {
+            replay.cells()[cell.index()].iter().map(|&leaf| replay.rank(leaf)).find(|&rank| !own.contains(rank))
+        };
+        replay.born(m).iter().filter_map(third)
+    };
+    let mut entries = Vec::new();
+    for m in (0..replay.len()).map(NodeId) {
+        let mut cuts = cuts_of(m);
+        if let (Some(left), Some(right)) = (cuts.next(), cuts.next()) {
+            entries.extend(lowest.of(left, right).map(|node| (m, node)));
+        }
+    }
+    entries
+}
+
+/// Schemes that cut a vertex along two edges take manifolds alone: at most two triangles die at a merge.
+pub(super) fn refuse_pairs(replay: &Replay, scheme: &'static str) -> Result<(), HierarchyError> {
+    let odd: Vec<NodeId> =
+        (0..replay.len()).map(NodeId).filter(|&m| !(1..=2).contains(&replay.born(m).len())).collect();
+    let why = if !replay.pairs().is_empty() {
+        "it has virtual edges, so vertices merge that are not neighbours"
+    } else if !odd.is_empty() {
+        "it has merges at which no triangle dies, or more than two"
+    } else {
+        return Ok(());
+    };
+    let places: Vec<String> =
+        odd.iter().take(5).map(|m| format!("{m} ({} triangles)", replay.born(*m).len())).collect();
+    let places = if places.is_empty() { "none".to_owned() } else { places.join(", ") };
+    Err(HierarchyError::Unfit { scheme, why, places })
+}
+
+/// The least and the largest id around each merged vertex at analysis.
+pub(super) fn one_ring_ids(replay: &Replay) -> Vec<[u32; 2]> {
+    let mut ranges = Vec::with_capacity(replay.len() as usize);
+    sweep(replay, |Before { ends, view, .. }| {
+        let ring = ends.into_iter().flat_map(|end| view.mesh.ring(end)).filter(|w| !ends.contains(w));
+        let ids = ring.map(|w| super::implicit::id_of(replay, w, view));
+        ranges.push(ids.fold([u32::MAX, 0], |[least, most], id| [least.min(id), most.max(id)]));
+    });
+    ranges
+}
