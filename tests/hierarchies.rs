@@ -1,9 +1,12 @@
 //! Vertex hierarchies under every dependency scheme: all laws, and how the schemes relate.
 
+use mt_core::check::Law;
 use mt_core::generate::{self, Named};
 use mt_core::hierarchy::Dependency;
+use mt_core::hierarchy::VertexMesh;
 use mt_core::model::MultiTessellation;
-use mt_core::{Front, Hierarchy, Mesh, NodeId, Order, Replay, check};
+use mt_core::random::Random;
+use mt_core::{Coarsen, Front, Hierarchy, NodeId, Order, Replay, Rule, View, check};
 use mt_tests::both_of;
 use multi_tessellation::verify;
 use operators::EdgeCollapse;
@@ -39,4 +42,182 @@ proptest! {
         let (_, replay) = both_of(&mesh, if half { &EdgeCollapse::HALF } else { &EdgeCollapse::FULL });
         all_laws(&name, &replay, seed, 8);
     }
+}
+
+/// A random wish, and what forcing it makes of the base mesh.
+fn forced<D: Dependency + Send>(model: &Hierarchy<D>, wish: &[NodeId]) -> Front {
+    let mut state = State::new(model, ());
+    wish.iter().for_each(|&m| state.force(model, m));
+    state.view.front
+}
+
+fn closed(order: &Order, wish: &[NodeId]) -> Front {
+    let mut front = Front::from_nodes(order.len(), wish.iter().copied());
+    order.close(&mut front);
+    front
+}
+
+fn wishes(count: u32, seed: u64) -> Vec<Vec<NodeId>> {
+    let mut random = Random::new(seed);
+    let pick = |random: &mut Random| NodeId::new(random.below(count as usize));
+    (0..12)
+        .map(|_| {
+            let picks = f64::from(count).powf(random.unit() * 0.7) as u32 + 1;
+            (0..picks).map(|_| pick(&mut random)).collect()
+        })
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    #[test]
+    fn on_full_collapses_ids_rings_and_cells_give_one_closure(mesh_seed in any::<u64>(), seed in any::<u64>()) {
+        let Named { name, mesh } = generate::random_mesh(mesh_seed);
+        let (explicit, replay) = both_of(&mesh, &EdgeCollapse::FULL);
+        prop_assume!(!replay.is_empty());
+        let [cells, ring, four, dual] =
+            [Scheme::Explicit, Scheme::OneRing, Scheme::FourFace, Scheme::DualPiece].map(|s| s.stored(&replay).unwrap().unwrap());
+        // Nested as orders, so as closures.
+        prop_assert_eq!(ring.contains(&replay, &cells), Ok(()), "{}", name);
+        prop_assert_eq!(cells.contains(&replay, &ring), Ok(()), "{}", name);
+        prop_assert_eq!(ring.contains(&replay, &four), Ok(()), "{}", name);
+        prop_assert_eq!(four.contains(&replay, &dual), Ok(()), "{}", name);
+        let ids = Hierarchy { replay: Arc::clone(&replay), dependency: ImplicitIds };
+        let free = Hierarchy { replay: Arc::clone(&replay), dependency: DualPieceFree::new(&replay).unwrap() };
+        let orders = [&ring, &four, &dual].map(|stored| stored.order(&replay));
+        for wish in wishes(replay.len(), seed) {
+            let [of_ring, of_four, of_dual] = [0, 1, 2].map(|i| closed(&orders[i], &wish));
+            prop_assert!(of_ring == closed(explicit.order(), &wish), "{}: cells", name);
+            prop_assert!(of_ring == forced(&ids, &wish), "{}: ids", name);
+            prop_assert!(of_four.is_subset(&of_ring) && of_dual.is_subset(&of_four), "{}", name);
+            // From the base mesh a split of the free rule waits for what the static order says.
+            prop_assert!(of_dual == forced(&free, &wish), "{}: free", name);
+        }
+    }
+
+    #[test]
+    fn half_edge_histories_differ(mesh_seed in any::<u64>()) {
+        let Named { name, mesh } = generate::random_mesh(mesh_seed);
+        let (explicit, replay) = both_of(&mesh, &EdgeCollapse::HALF);
+        prop_assume!(!replay.is_empty());
+        // The model of cells alone is looser than the ring: its fronts need not be cuts of the forest.
+        let ring = Stored::one_ring(&replay).order(&replay);
+        let mut random = Random::new(mesh_seed);
+        for _ in 0..8 {
+            let front = check::random_front(&ring, &mut random);
+            prop_assert_eq!(explicit.order().unmet(&front), None, "{}", name);
+        }
+    }
+
+    #[test]
+    fn what_coarsens_also_agrees(mesh_seed in any::<u64>(), seed in any::<u64>()) {
+        // From the input down to a wish: the ids let go of what the ring order lets go of.
+        let Named { name, mesh } = generate::random_mesh(mesh_seed);
+        let (_, replay) = both_of(&mesh, &EdgeCollapse::FULL);
+        prop_assume!(!replay.is_empty());
+        let ring = Stored::one_ring(&replay).order(&replay);
+        let ids = Hierarchy { replay: Arc::clone(&replay), dependency: ImplicitIds };
+        for wish in wishes(replay.len(), seed).into_iter().take(4) {
+            let target = closed(&ring, &wish);
+            let mut state = State::new(&ids, ());
+            (0..replay.len()).rev().for_each(|m| state.force(&ids, NodeId(m)));
+            for m in (0..replay.len()).map(NodeId).filter(|m| !target.is_refined(*m)) {
+                prop_assert!(state.try_coarsen(&ids, m), "{}: node {} stays", name, m);
+            }
+            prop_assert!(*state.front() == target);
+            // And of nothing that the wish needs.
+            for m in target.finest_first() {
+                let needed = ring.dependents(m).iter().any(|&d| target.is_refined(d));
+                let mut out = Vec::new();
+                let free = ids.obstacles(m, &state.view, &mut out) == Coarsen::Now;
+                prop_assert_eq!(free, !needed, "{}: node {}", name, m);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_slides_rule_for_merges_would_forbid_them_all() {
+    // The parent's id below the ids of the neighbours: at analysis no merge had that, since ids grow.
+    let (_, replay) = both_of(&generate::bumpy_sphere(3, 0.1, 3), &EdgeCollapse::FULL);
+    let mut as_printed = 0;
+    let mut view = View { front: Front::reference(replay.len()), mesh: replay.reference_mesh() };
+    for m in (0..replay.len()).map(NodeId) {
+        let ends = [replay.merge(m.0).center, replay.node(m).child];
+        let ring: Vec<_> = ends.iter().flat_map(|&end| view.mesh.ring(end)).filter(|w| !ends.contains(w)).collect();
+        as_printed += u32::from(ring.iter().all(|&w| replay.vertex(m) < w));
+        replay.coarsen(m, &mut view.mesh, &mut ());
+        view.front.set(m, false);
+    }
+    assert_eq!(as_printed, 0);
+}
+
+#[test]
+fn stored_ids_let_more_merge_than_current_ids() {
+    let (_, replay) = both_of(&generate::bumpy_sphere(3, 0.15, 3), &EdgeCollapse::FULL);
+    let current = Hierarchy { replay: Arc::clone(&replay), dependency: ImplicitIds };
+    let stored = Hierarchy { dependency: StoredIds::new(&replay), replay: Arc::clone(&replay) };
+    let (mut by_both, mut by_stored) = (0, 0);
+    for wish in wishes(replay.len(), 5) {
+        // Splits agree: an ancestor of a neighbour at analysis has a larger id than any neighbour had.
+        let front = forced(&current, &wish);
+        assert_eq!(front, forced(&stored, &wish));
+        let mut state = State::new(&current, ());
+        wish.iter().for_each(|&m| state.force(&current, m));
+        for m in front.finest_first() {
+            let mut out = Vec::new();
+            let one = current.obstacles(m, &state.view, &mut out) == Coarsen::Now;
+            out.clear();
+            let other = stored.obstacles(m, &state.view, &mut out) == Coarsen::Now;
+            assert!(!one || other, "node {m} may merge by current ids, not by stored ones");
+            by_both += u32::from(one);
+            by_stored += u32::from(other);
+        }
+    }
+    assert!(by_both > 0 && by_stored >= by_both, "{by_both} {by_stored}");
+}
+
+#[test]
+fn an_order_of_ones_own_is_taken_when_sound() {
+    let (_, replay) = both_of(&generate::bumpy_sphere(3, 0.2, 8), &EdgeCollapse::FULL);
+    let dual = Stored::dual_piece(&replay).unwrap();
+    assert!(dual.needs_rows().entry_count() > 0, "no node needs more than its parent: nothing to see");
+    let entries: Vec<_> = dual.needs_rows().entries().collect();
+    assert_eq!(Stored::of_user(&replay, entries.iter().copied()).unwrap(), dual);
+    // The order by layers: everything needs the node after it. It is sound, and the least local of all.
+    let chain = (0..replay.len() - 1).map(|m| (NodeId(m), NodeId(m + 1)));
+    laws_hold("a chain", &replay, Stored::of_user(&replay, chain).unwrap(), 4, 20);
+    // The parents alone are not enough, and there is a witness.
+    let refused = Stored::of_user(&replay, []).unwrap_err().to_string();
+    let (node, needed) = entries[0];
+    assert!(refused.contains(&format!("node {node} must wait for node {needed}")), "{refused}");
+    let backwards = Stored::of_user(&replay, [(NodeId(5), NodeId(2))]).unwrap_err().to_string();
+    assert!(backwards.contains("not larger"), "{backwards}");
+}
+
+/// The forest and nothing else: what the schemes are there to prevent.
+struct ForestAlone;
+
+impl Dependency for ForestAlone {
+    const RULE: Rule = Rule::Static;
+    fn needs(&self, _: &Replay, _: NodeId, _: &mut Vec<NodeId>) {}
+    fn prerequisites(&self, _: &Replay, _: NodeId, _: &View<VertexMesh>, _: &mut Vec<NodeId>) {}
+    fn obstacles(&self, _: &Replay, _: NodeId, _: &View<VertexMesh>, _: &mut Vec<NodeId>) -> Coarsen {
+        Coarsen::Now
+    }
+    fn bytes(&self) -> usize {
+        0
+    }
+}
+
+#[test]
+fn an_order_that_is_refused_would_break_the_mesh() {
+    let (_, replay) = both_of(&generate::bumpy_sphere(3, 0.2, 8), &EdgeCollapse::FULL);
+    let model = Hierarchy { replay, dependency: ForestAlone };
+    let options = verify::Options { fronts: 200, seed: 3 };
+    let found = verify::hierarchy(&model, &options, &mut |_| true).expect_err("parents alone are unsound");
+    assert!(matches!(found.breach.law, Law::CrackFree | Law::Partition), "{}", found.breach);
+    // Small enough to look at.
+    assert!(found.front.len() <= 60, "{} nodes, found at {}", found.front.len(), found.found_at);
 }

@@ -1,7 +1,7 @@
 //! From a sequence of merges to a replay: the forest, its spans, what each node makes appear, and saturated bounds.
 
 use super::mesh::VertexMesh;
-use super::replay::{Merge, Node, Replay, Runs, Span};
+use super::replay::{Born, Merge, Node, Replay, Runs, Span};
 use super::sequence::Sequence;
 use crate::bound::{Bound, Cone, cone_of_cells};
 use crate::cell::{Cell, is_proper};
@@ -99,10 +99,8 @@ impl Replay {
             nodes: nodes.map(|(&child, &error)| Node { child, error, radius: 0.0, cone: Cone::EMPTY }).collect(),
             runs: runs(sequence),
             kept: sequence.kept.clone(),
-            born_start: vec![0],
-            born: Vec::with_capacity(mesh.cells.len()),
-            born_pair_start: if pairs.is_empty() { Vec::new() } else { vec![0] },
-            born_pair: Vec::with_capacity(pairs.len()),
+            born: Born::Pairs(Vec::new()),
+            born_pairs: Born::Pairs(Vec::new()),
             base_cells: Vec::new(),
             base_pairs: Vec::new(),
             roots: Vec::new(),
@@ -118,28 +116,25 @@ impl Replay {
     fn coarsen_all(&mut self) {
         let mut mesh = VertexMesh::of_input(self);
         let mut patch = PatchBound::default();
+        let (mut starts, mut pair_starts) = (vec![0], vec![0]);
+        let (mut born, mut born_pairs) = (Vec::with_capacity(self.cells.len()), Vec::with_capacity(self.pairs.len()));
         for m in (0..self.len()).map(NodeId) {
             let of_patch = patch.measure(self, &mesh, m);
-            let (mut cells, mut pairs) = (Vec::new(), Vec::new());
             mesh.join(
                 self,
                 m,
                 |_, _| {},
-                |slot, is_pair| if is_pair { pairs.push(CellId(slot)) } else { cells.push(CellId(slot)) },
+                |slot, is_pair| if is_pair { born_pairs.push(CellId(slot)) } else { born.push(CellId(slot)) },
             );
-            cells.sort_unstable();
-            self.born.append(&mut cells);
-            self.born_start.push(self.born.len() as u32);
-            if !self.pairs.is_empty() {
-                pairs.sort_unstable();
-                self.born_pair.append(&mut pairs);
-                self.born_pair_start.push(self.born_pair.len() as u32);
+            for (start, cells) in [(&mut starts, &mut born), (&mut pair_starts, &mut born_pairs)] {
+                cells[start[m.index()] as usize..].sort_unstable();
+                start.push(cells.len() as u32);
             }
             let cone = patch.cone_after(self, &mesh, m).union(of_patch.1);
             let node = &mut self.nodes[m.index()];
             (node.radius, node.cone) = (of_patch.0, cone);
         }
-        self.born.shrink_to_fit();
+        (self.born, self.born_pairs) = (Born::new(starts, born), Born::new(pair_starts, born_pairs));
         self.base_cells = mesh.faces.cells().map(|(slot, corners)| (CellId(slot), *corners)).collect();
         self.base_pairs = mesh.links.cells().map(|(slot, ends)| (CellId(slot), *ends)).collect();
     }

@@ -69,6 +69,52 @@ pub(super) enum Runs {
     Many { starts: Vec<u32>, merge_of: Vec<u32> },
 }
 
+/// The cells that each node makes appear.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Born {
+    /// One or two each, as on manifolds; where there is one, the second is none.
+    Pairs(Vec<[CellId; 2]>),
+    /// Any number: where the cells of each node begin, with one more entry than nodes, and the cells.
+    Rows(Vec<u32>, Vec<CellId>),
+}
+
+impl Born {
+    /// The shorter of the two forms.
+    pub(super) fn new(start: Vec<u32>, cells: Vec<CellId>) -> Self {
+        let nodes = start.len() - 1;
+        if cells.is_empty() {
+            return Self::Pairs(Vec::new());
+        }
+        let is_pairs = start.windows(2).all(|row| (1..=2).contains(&(row[1] - row[0])));
+        if !is_pairs || cells.len() < nodes {
+            return Self::Rows(start, cells);
+        }
+        let row = |at: &[u32]| {
+            [cells[at[0] as usize], if at[1] - at[0] == 2 { cells[at[0] as usize + 1] } else { CellId::NONE }]
+        };
+        Self::Pairs(start.windows(2).map(row).collect())
+    }
+
+    #[inline]
+    fn row(&self, m: NodeId) -> &[CellId] {
+        match self {
+            Self::Pairs(pairs) => match pairs.get(m.index()) {
+                Some([_, second]) if !second.is_none() => &pairs[m.index()],
+                Some(one) => &one[..1],
+                None => &[],
+            },
+            Self::Rows(start, cells) => &cells[start[m.index()] as usize..start[m.index() + 1] as usize],
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Pairs(pairs) => 8 * pairs.len(),
+            Self::Rows(start, cells) => 4 * (start.len() + cells.len()),
+        }
+    }
+}
+
 /// A sequence of merges that can be replayed both ways at any vertex. Immutable, and the same for every dependency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replay {
@@ -84,12 +130,9 @@ pub struct Replay {
     pub(super) nodes: Vec<Node>,
     pub(super) runs: Runs,
     pub(super) kept: Bits,
-    /// Where the cells of each node begin in `born`; one more entry than nodes.
-    pub(super) born_start: Vec<u32>,
-    pub(super) born: Vec<CellId>,
-    /// The same for pairs; both empty where there are none.
-    pub(super) born_pair_start: Vec<u32>,
-    pub(super) born_pair: Vec<CellId>,
+    pub(super) born: Born,
+    /// The virtual edges; empty where there are none.
+    pub(super) born_pairs: Born,
     pub(super) base_cells: Vec<(CellId, Cell<3>)>,
     pub(super) base_pairs: Vec<(CellId, Cell<2>)>,
     pub(super) roots: Vec<NodeId>,
@@ -259,16 +302,13 @@ impl Replay {
     /// The triangles that appear when `m` is refined.
     #[inline]
     pub fn born(&self, m: NodeId) -> &[CellId] {
-        &self.born[self.born_start[m.index()] as usize..self.born_start[m.index() + 1] as usize]
+        self.born.row(m)
     }
 
     /// The virtual edges that appear when `m` is refined.
     #[inline]
     pub fn born_pairs(&self, m: NodeId) -> &[CellId] {
-        if self.born_pair_start.is_empty() {
-            return &[];
-        }
-        &self.born_pair[self.born_pair_start[m.index()] as usize..self.born_pair_start[m.index() + 1] as usize]
+        self.born_pairs.row(m)
     }
 
     /// The node whose vertex `v` is at this front: the last one of its run that is coarse. `None` for leaves.
@@ -315,8 +355,8 @@ impl Replay {
             ("parents", 4 * self.merged_at.len()),
             ("leaf ranks", 4 * self.ranks.len()),
             ("runs", runs),
-            ("triangles of each node", 4 * (self.born_start.len() + self.born.len())),
-            ("virtual edges", 8 * self.pairs.len() + 4 * (self.born_pair_start.len() + self.born_pair.len())),
+            ("triangles of each node", self.born.bytes()),
+            ("virtual edges", 8 * self.pairs.len() + self.born_pairs.bytes()),
             ("kept centres", 8 * self.kept.words().len()),
             ("base mesh", 16 * self.base_cells.len() + 12 * self.base_pairs.len() + 4 * self.roots.len()),
         ]

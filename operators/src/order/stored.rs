@@ -3,7 +3,7 @@
 use super::derive;
 use mt_core::hierarchy::{Dependency, HierarchyError, VertexMesh};
 use mt_core::order::{Order, OrderError, Rows, SparseRows};
-use mt_core::{Coarsen, NodeId, Replay, Rule, View};
+use mt_core::{Bits, Coarsen, NodeId, Replay, Rule, View};
 
 /// A static order on the nodes of a replay. What the forest implies is left out, so that rows are short: for
 /// `dual-piece` about one node in a hundred has one.
@@ -38,7 +38,13 @@ impl Stored {
                 }
             }
         }
-        let needs = SparseRows::new(replay.len(), kept);
+        let rows = SparseRows::new(replay.len(), kept);
+        let mut search = Search::new(replay);
+        let direct = |&(m, need): &(NodeId, NodeId)| {
+            let others = rows.row(m).iter().copied().filter(|&other| other != need);
+            !search.leads(replay, &rows, replay.parent(m).into_iter().chain(others), need, NODES_MAX)
+        };
+        let needs = SparseRows::new(replay.len(), rows.entries().filter(direct).collect());
         let dependents = needs.transposed();
         Ok(Self { needs, dependents })
     }
@@ -102,28 +108,9 @@ impl Stored {
 
     /// Whether every front that is closed here is closed in `other`; else a node, and what `other` wants for it.
     pub fn contains(&self, replay: &Replay, other: &Stored) -> Result<(), (NodeId, NodeId)> {
-        let mut seen = mt_core::Bits::new(replay.len());
-        let (mut open, mut met) = (Vec::new(), Vec::new());
+        let mut search = Search::new(replay);
         for (m, wanted) in other.needs.entries() {
-            open.push(m);
-            let mut found = false;
-            // Needs have larger ids: what lies above the wanted node cannot lead back to it.
-            while let Some(node) = open.pop() {
-                if replay.is_ancestor(wanted, node) {
-                    found = true;
-                    break;
-                }
-                let above = replay.parent(node).into_iter().chain(self.needs.row(node).iter().copied());
-                for need in above.filter(|&need| need <= wanted) {
-                    if seen.insert(need.0) {
-                        met.push(need);
-                        open.push(need);
-                    }
-                }
-            }
-            open.clear();
-            met.drain(..).for_each(|node: NodeId| _ = seen.remove(node.0));
-            if !found {
+            if !search.leads(replay, &self.needs, [m], wanted, usize::MAX) {
                 return Err((m, wanted));
             }
         }
@@ -142,6 +129,52 @@ impl Stored {
             rows.push(row.iter().copied());
         }
         Order::from_needs(rows).expect("a stored order is one")
+    }
+}
+
+/// How many nodes to look at before a need counts as one of its own: a row too many costs a few bytes, no more.
+const NODES_MAX: usize = 64;
+
+/// Searches along needs and parents, in buffers of its own.
+struct Search {
+    seen: Bits,
+    met: Vec<NodeId>,
+    open: Vec<NodeId>,
+}
+
+impl Search {
+    fn new(replay: &Replay) -> Self {
+        Self { seen: Bits::new(replay.len()), met: Vec::new(), open: Vec::new() }
+    }
+
+    /// Whether refining `from` refines `wanted`, as far as this many nodes tell.
+    fn leads(
+        &mut self,
+        replay: &Replay,
+        needs: &SparseRows,
+        from: impl IntoIterator<Item = NodeId>,
+        wanted: NodeId,
+        nodes_max: usize,
+    ) -> bool {
+        self.open.extend(from);
+        let mut found = false;
+        while let Some(node) = self.open.pop().filter(|_| self.met.len() < nodes_max) {
+            found = replay.is_ancestor(wanted, node);
+            if found {
+                break;
+            }
+            // Needs have larger ids: what lies above the wanted node cannot lead back to it.
+            let above = replay.parent(node).into_iter().chain(needs.row(node).iter().copied());
+            for need in above.filter(|&need| need <= wanted) {
+                if self.seen.insert(need.0) {
+                    self.met.push(need);
+                    self.open.push(need);
+                }
+            }
+        }
+        self.open.clear();
+        self.met.drain(..).for_each(|node| _ = self.seen.remove(node.0));
+        found
     }
 }
 
