@@ -17,12 +17,14 @@
 //! [`Replay::bytes_table`].
 
 mod build;
+mod codec;
 mod dependency;
 mod mesh;
 mod replay;
 mod sequence;
 
 pub use build::{HierarchyError, InvalidSequence};
+pub use codec::SequenceError;
 pub use dependency::{Dependency, Hierarchy};
 pub use mesh::VertexMesh;
 pub use replay::{Merge, Node, Replay, Span};
