@@ -28,6 +28,7 @@ mod adapt;
 mod criterion;
 mod exact;
 mod extract;
+mod judge;
 mod state;
 
 pub use adapt::{adapt, approach};
@@ -37,5 +38,5 @@ pub use criterion::{
     VisualError, Wish,
 };
 pub use exact::{CellCriterion, CellView, ErrorBelow, Focus, ThresholdBelow, extract_exact};
-pub use extract::{Strategy, extract, wish_closure};
+pub use extract::{Strategy, extract, wish_closure, wish_closure_after};
 pub use state::{Limits, Outcome, State};
