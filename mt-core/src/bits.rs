@@ -1,11 +1,23 @@
 //! A set of ids as bits: fronts are sets of nodes, alive sets are sets of cells.
 
 /// A set of the numbers below `len`, one bit each.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Debug, Default, PartialEq, Eq, Hash)]
 pub struct Bits {
     words: Vec<u64>,
     len: u32,
     count: u32,
+}
+
+impl Clone for Bits {
+    fn clone(&self) -> Self {
+        Self { words: self.words.clone(), len: self.len, count: self.count }
+    }
+
+    /// In the memory of `self`, where that is large enough.
+    fn clone_from(&mut self, other: &Self) {
+        self.words.clone_from(&other.words);
+        (self.len, self.count) = (other.len, other.count);
+    }
 }
 
 impl Bits {
@@ -119,6 +131,14 @@ mod tests {
             assert_eq!(bits.iter().collect::<Vec<_>>(), (0..len).collect::<Vec<_>>());
             assert_eq!(bits.count(), len);
         }
+    }
+
+    #[test]
+    fn copies_reuse_memory() {
+        let (mut copy, original) = (Bits::full(200), Bits::new(130));
+        let at = copy.words().as_ptr();
+        copy.clone_from(&original);
+        assert!(copy == original && copy.words().as_ptr() == at);
     }
 
     #[test]

@@ -6,8 +6,19 @@ use crate::id::NodeId;
 /// The refined nodes of a view, one bit each.
 ///
 /// The empty front is the base mesh, the full front the reference mesh.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Debug, Default, PartialEq, Eq, Hash)]
 pub struct Front(Bits);
+
+impl Clone for Front {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+
+    /// In the memory of `self`, where that is large enough.
+    fn clone_from(&mut self, other: &Self) {
+        self.0.clone_from(&other.0);
+    }
+}
 
 impl Front {
     /// The front of the base mesh of a model of `node_count` modifications.

@@ -1,13 +1,15 @@
 //! Incremental refinement: from the mesh of the last frame, contraction first, then expansion.
 
 use crate::criterion::Criterion;
-use crate::extract::{Strategy, expand, expand_by_priority, extract};
-use crate::state::{Limits, Outcome, State};
+use crate::extract::{expand, expand_by_priority};
+use crate::judge::Judge;
+use crate::state::{Limits, Outcome, Search, State};
 use mt_core::bits::ones;
 use mt_core::{Front, MultiTessellation, NodeId, Sink, Step};
 use std::time::Instant;
 
-/// Brings the mesh of the last frame to `criterion`. Ends in the front of [`extract`], for criteria without memory.
+/// Brings the mesh of the last frame to `criterion`. Ends in the front of [`crate::extract`], for criteria without memory; for
+/// those with, in the least closed front that holds all they ask for, given what was refined when the call began.
 ///
 /// Without a budget: one sweep over the front by rank coarsens all that is no longer needed, then what lies under the
 /// front is judged and refined. O(front + changes). Under a time limit the expansion goes by urgency; what is left out
@@ -15,8 +17,11 @@ use std::time::Instant;
 ///
 /// Under a budget of cells the front that fits is found first, by priority from the base mesh and in a view of its own,
 /// and then approached by the steps that are missing, so a still camera comes to rest at once. O(front log front +
-/// changes), and memory for a second view. A time limit bounds the approach, not the search; and it waits until the mesh
-/// is within the budget.
+/// changes), and memory for a second view, which the state keeps. A time limit bounds the approach, not the search; and
+/// it waits until the mesh is within the budget. A criterion with memory gives what is refined its head start in the
+/// search too, but need not come to rest at once.
+///
+/// Once a state has seen a camera's path, calls that ask for no more than before allocate nothing.
 pub fn adapt<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     model: &M,
     criterion: &impl Criterion<M::Bound>,
@@ -24,20 +29,62 @@ pub fn adapt<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     state: &mut State<N, M, S>,
 ) -> Outcome {
     let deadline = limits.deadline();
-    if limits.cells.is_some() {
-        let (target, wanted) = extract(model, criterion, &Limits { time: None, ..*limits }, Strategy::Priority, ());
-        let until = Until { deadline, cells_max: limits.cells };
-        let reached = approach_until(model, &target.view.front, until, state);
-        return Outcome { forced: wanted.forced, complete: reached.complete && wanted.complete, ..reached };
-    }
     let start = state.steps.len();
-    let contracted = contract(model, criterion, deadline, state);
-    open_below_front(model, state);
+    state.scratch.chains.clear();
+    if let Some(cells_max) = limits.cells {
+        return adapt_within(model, criterion, cells_max, deadline, state);
+    }
+    let before = remember(criterion, state);
+    let judge = Judge::new(model, criterion, &before);
+    let contracted = contract(&judge, deadline, state);
+    open_below_front(&judge, state);
     let expanded = match deadline {
-        Some(_) => expand_by_priority(model, criterion, None, deadline, state),
-        None => expand(model, criterion, state),
+        Some(_) => expand_by_priority(&judge, None, deadline, state),
+        None => expand(&judge, state),
     };
-    state.outcome_since(start, expanded.forced, contracted && expanded.complete)
+    let outcome = state.outcome_since(start, expanded.forced, contracted && expanded.complete);
+    let outcome = outcome.with_runs(judge.whole_runs(state, start));
+    state.scratch.before = before;
+    outcome
+}
+
+/// The front as it is now, for a criterion with memory, in memory that was there; else anything.
+fn remember<const N: usize, M: MultiTessellation<N>, S, C: Criterion<M::Bound>>(
+    _: &C,
+    state: &mut State<N, M, S>,
+) -> Front {
+    let mut before = std::mem::take(&mut state.scratch.before);
+    if C::MEMORY {
+        before.clone_from(&state.view.front);
+    }
+    before
+}
+
+/// Looks for the front that fits, and approaches it.
+fn adapt_within<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
+    model: &M,
+    criterion: &impl Criterion<M::Bound>,
+    cells_max: u32,
+    deadline: Option<Instant>,
+    state: &mut State<N, M, S>,
+) -> Outcome {
+    let start = state.steps.len();
+    let mut search = state.search.take().unwrap_or_else(|| Box::new(Search::new(model)));
+    search.reset();
+    let target = &mut search.state;
+    // Swapped, not copied: the chains of the search are those of the call.
+    std::mem::swap(&mut target.scratch.chains, &mut state.scratch.chains);
+    target.scratch.open.clear();
+    model.roots(&mut target.scratch.open);
+    let judge = Judge::new(model, criterion, &state.view.front);
+    let wanted = expand_by_priority(&judge, Some(cells_max), None, target);
+    std::mem::swap(&mut target.scratch.chains, &mut state.scratch.chains);
+    let until = Until { deadline, cells_max: Some(cells_max) };
+    let reached = approach_until(model, &target.view.front, until, state);
+    state.search = Some(search);
+    let base = Front::default();
+    let outcome = state.outcome_since(start, wanted.forced, reached.complete && wanted.complete);
+    outcome.with_runs(Judge::new(model, criterion, &base).whole_runs(state, start))
 }
 
 /// How many steps to make between two looks at the clock.
@@ -52,8 +99,7 @@ fn is_late(deadline: Option<Instant>, turn: &mut u32) -> bool {
 ///
 /// Finest first: by the time a node's turn comes, those that need it have had theirs.
 fn contract<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
-    model: &M,
-    criterion: &impl Criterion<M::Bound>,
+    judge: &Judge<N, M, impl Criterion<M::Bound>>,
     deadline: Option<Instant>,
     state: &mut State<N, M, S>,
 ) -> bool {
@@ -62,8 +108,8 @@ fn contract<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
         for bit in ones(state.view.front.words()[w]) {
             let m = NodeId(w as u32 * 64 + bit);
             // Judging is cheap and always goes through, so that however little time there is, calls make progress.
-            let content = !criterion.asks(&model.bound(m), true);
-            if content && state.try_coarsen(model, m) && is_late(deadline, &mut turn) {
+            let content = !judge.asks(m, &state.view.front);
+            if content && state.try_coarsen(judge.model, m) && is_late(deadline, &mut turn) {
                 return false;
             }
         }
@@ -71,13 +117,21 @@ fn contract<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     true
 }
 
-/// Opens the nodes that are not refined and hang under a refined one, or under none.
-fn open_below_front<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(model: &M, state: &mut State<N, M, S>) {
+/// Opens the nodes that are not refined and hang under a refined one, or under none; and the first nodes of runs that
+/// are refined in part, which may hang elsewhere but are asked for by their last.
+fn open_below_front<const N: usize, M: MultiTessellation<N>, S: Sink<N>, C: Criterion<M::Bound>>(
+    judge: &Judge<N, M, C>,
+    state: &mut State<N, M, S>,
+) {
     let (front, open) = (&state.view.front, &mut state.scratch.open);
     open.clear();
-    model.roots(open);
+    judge.model.roots(open);
     for m in front.finest_first() {
-        model.children(m, open);
+        judge.model.children(m, open);
+        if C::RUNS {
+            let (first, last) = judge.model.run(m).into_inner();
+            open.extend((m == last).then_some(first));
+        }
     }
     open.retain(|&m| !front.is_refined(m));
 }
@@ -90,6 +144,7 @@ pub fn approach<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     target: &Front,
     state: &mut State<N, M, S>,
 ) -> Outcome {
+    state.scratch.chains.clear();
     approach_until(model, target, Until::default(), state)
 }
 

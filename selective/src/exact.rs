@@ -98,7 +98,7 @@ pub fn extract_exact<const N: usize, S: Sink<N>>(
             continue;
         };
         let mark = state.steps.len();
-        state.force(model, m);
+        state.force_counted(model, m);
         asked += 1;
         for step in &state.steps[mark..] {
             open.extend_from_slice(model.fine_side(step.node));

@@ -1,6 +1,7 @@
 //! Top-down extraction: depth first, or by priority, which can be interrupted and kept within a budget.
 
 use crate::criterion::Criterion;
+use crate::judge::Judge;
 use crate::state::{Limits, Outcome, State, Urgent};
 use mt_core::{Front, MultiTessellation, NodeId, Sink};
 use std::time::Instant;
@@ -15,8 +16,9 @@ pub enum Strategy {
     Priority,
 }
 
-/// A mesh for `criterion` from the base mesh, with what was done. Any limit makes it go by priority. Without limits the least closed front that holds all
-/// that the criterion asks for. O(steps + nodes judged), with a logarithm for priorities, and memory for a [`State`].
+/// A mesh for `criterion` from the base mesh, with what was done. Any limit makes it go by priority. Without limits the
+/// least closed front that holds all that the criterion asks for. O(steps + nodes judged), with a logarithm for
+/// priorities, and memory for a [`State`].
 pub fn extract<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     model: &M,
     criterion: &impl Criterion<M::Bound>,
@@ -25,38 +27,35 @@ pub fn extract<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     sink: S,
 ) -> (State<N, M, S>, Outcome) {
     let mut state = State::new(model, sink);
+    let before = state.view.front.clone();
+    let judge = Judge::new(model, criterion, &before);
+    model.roots(&mut state.scratch.open);
     let outcome = if strategy == Strategy::Priority || limits.cells.is_some() || limits.time.is_some() {
-        model.roots(&mut state.scratch.open);
-        expand_by_priority(model, criterion, limits.cells, limits.deadline(), &mut state)
+        expand_by_priority(&judge, limits.cells, limits.deadline(), &mut state)
     } else {
-        model.roots(&mut state.scratch.open);
-        expand(model, criterion, &mut state)
+        expand(&judge, &mut state)
     };
+    let outcome = outcome.with_runs(judge.whole_runs(&mut state, 0));
     (state, outcome)
 }
 
 /// Judges the open nodes and refines what the criterion asks for, depth first, down to where it is content.
 pub(crate) fn expand<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
-    model: &M,
-    criterion: &impl Criterion<M::Bound>,
+    judge: &Judge<N, M, impl Criterion<M::Bound>>,
     state: &mut State<N, M, S>,
 ) -> Outcome {
     let start = state.steps.len();
     let mut asked = 0;
     while let Some(m) = state.scratch.open.pop() {
-        let refined = state.view.front.is_refined(m);
-        if !criterion.asks(&model.bound(m), refined) {
-            continue;
-        }
+        let Some(Urgent { node, .. }) = judge.goal(m, &state.view.front) else { continue };
         let mark = state.steps.len();
-        if !refined {
-            state.force(model, m);
-            open_children_since(model, state, mark);
+        if !state.view.front.is_refined(node) {
+            state.force_counted(judge.model, node);
+            open_children_since(judge.model, state, mark);
         }
         asked += 1;
     }
-    let refined = (state.steps.len() - start) as u32;
-    state.outcome_since(start, refined.saturating_sub(asked), true)
+    state.outcome_since(start, judge.forced(state, start, asked), true)
 }
 
 /// What hangs under newly refined nodes has to be judged, whether they were asked for or forced.
@@ -78,8 +77,7 @@ const MISFITS_MAX: u32 = 16;
 /// The front that it ends in depends on model, criterion and budget alone (unless time runs out), which is what makes a
 /// still camera come to rest.
 pub(crate) fn expand_by_priority<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
-    model: &M,
-    criterion: &impl Criterion<M::Bound>,
+    judge: &Judge<N, M, impl Criterion<M::Bound>>,
     cells_max: Option<u32>,
     deadline: Option<Instant>,
     state: &mut State<N, M, S>,
@@ -88,7 +86,7 @@ pub(crate) fn expand_by_priority<const N: usize, M: MultiTessellation<N>, S: Sin
     let (mut asked, mut misfits, mut turn) = (0, 0, 0u32);
     let mut in_time = true;
     state.scratch.queue.clear();
-    enqueue_open(model, criterion, state);
+    enqueue_open(judge, state);
     while let Some(Urgent { node, .. }) = state.scratch.queue.pop() {
         turn = turn.wrapping_add(1);
         if turn.is_multiple_of(32) && deadline.is_some_and(|deadline| Instant::now() >= deadline) {
@@ -100,7 +98,7 @@ pub(crate) fn expand_by_priority<const N: usize, M: MultiTessellation<N>, S: Sin
             continue;
         }
         let mark = state.steps.len();
-        if !force_within(model, node, cells_max, state) {
+        if !force_within(judge.model, node, cells_max, state) {
             misfits += 1;
             if misfits >= MISFITS_MAX {
                 break;
@@ -108,23 +106,18 @@ pub(crate) fn expand_by_priority<const N: usize, M: MultiTessellation<N>, S: Sin
             continue;
         }
         asked += 1;
-        open_children_since(model, state, mark);
-        enqueue_open(model, criterion, state);
+        open_children_since(judge.model, state, mark);
+        enqueue_open(judge, state);
     }
-    let refined = (state.steps.len() - start) as u32;
-    state.outcome_since(start, refined.saturating_sub(asked), in_time && misfits == 0)
+    state.outcome_since(start, judge.forced(state, start, asked), in_time && misfits == 0)
 }
 
 fn enqueue_open<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
-    model: &M,
-    criterion: &impl Criterion<M::Bound>,
+    judge: &Judge<N, M, impl Criterion<M::Bound>>,
     state: &mut State<N, M, S>,
 ) {
-    while let Some(node) = state.scratch.open.pop() {
-        let excess = criterion.excess(&model.bound(node), state.view.front.is_refined(node));
-        if excess > 0.0 {
-            state.scratch.queue.push(Urgent { excess, node });
-        }
+    while let Some(m) = state.scratch.open.pop() {
+        state.scratch.queue.extend(judge.goal(m, &state.view.front));
     }
 }
 
@@ -137,7 +130,7 @@ fn force_within<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     state: &mut State<N, M, S>,
 ) -> bool {
     let Some(cells_max) = cells_max else {
-        state.force(model, m);
+        state.force_counted(model, m);
         return true;
     };
     if model.gain(m).is_some() {
@@ -148,10 +141,11 @@ fn force_within<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
         }
     }
     let mark = state.steps.len();
-    state.force(model, m);
+    state.force_counted(model, m);
     let fits = model.cell_count(&state.view.mesh) <= cells_max;
     if !fits {
         state.roll_back(model, mark);
+        state.scratch.chains.pop();
     }
     fits
 }
@@ -185,12 +179,23 @@ fn chain_gain<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
 
 /// The slow oracle of selective refinement: ask every node for itself and close. O(nodes + arcs).
 ///
-/// For monotone criteria on saturated bounds this is the front that `extract` and `adapt` must reach.
+/// For monotone criteria on saturated bounds this is the front that `extract` must reach, and `adapt` too unless the
+/// criterion has a memory.
 pub fn wish_closure<const N: usize, M: MultiTessellation<N>>(model: &M, criterion: &impl Criterion<M::Bound>) -> Front {
+    wish_closure_after(model, criterion, &Front::base(model.len()))
+}
+
+/// The same for a criterion with memory, where `before` is the front of the last frame: what `adapt` must reach.
+pub fn wish_closure_after<const N: usize, M: MultiTessellation<N>>(
+    model: &M,
+    criterion: &impl Criterion<M::Bound>,
+    before: &Front,
+) -> Front {
+    let judge = Judge::new(model, criterion, before);
     let mut front = Front::base(model.len());
     let mut needs = Vec::new();
     for m in (0..model.len()).map(NodeId) {
-        if criterion.asks(&model.bound(m), false) {
+        if judge.asks(m, before) {
             front.set(m, true);
         }
         // What a node needs has a larger id, so its turn comes later.

@@ -28,10 +28,15 @@ mod adapt;
 mod criterion;
 mod exact;
 mod extract;
+mod judge;
 mod state;
 
 pub use adapt::{adapt, approach};
-pub use criterion::{Criterion, InRegion, Region, ScreenError, UniformError, Wish};
+pub use criterion::{
+    Criterion, Facing, FeaturePoints, Frustum, Hysteresis, InRegion, InView, Measure, Moving, NormalChange, OnPath,
+    Pace, Path, PointIndex, Reading, Region, Relax, ScreenError, Silhouette, Transfer, TransferError, UniformError,
+    VisualError, Wish,
+};
 pub use exact::{CellCriterion, CellView, ErrorBelow, Focus, ThresholdBelow, extract_exact};
-pub use extract::{Strategy, extract, wish_closure};
+pub use extract::{Strategy, extract, wish_closure, wish_closure_after};
 pub use state::{Limits, Outcome, State};

@@ -19,13 +19,41 @@ pub struct State<const N: usize, M: MultiTessellation<N>, S> {
     /// Every step taken, in order; the caller may clear it at any time.
     pub steps: Vec<Step>,
     pub(crate) scratch: Scratch,
+    /// Where a front that fits a budget is looked for; made when it is first needed.
+    pub(crate) search: Option<Box<Search<N, M>>>,
+}
+
+/// A state by itself in which to look for a front, always from the base mesh.
+#[derive(Clone, Debug)]
+pub(crate) struct Search<const N: usize, M: MultiTessellation<N>> {
+    base: M::Mesh,
+    pub(crate) state: State<N, M, ()>,
+}
+
+impl<const N: usize, M: MultiTessellation<N>> Search<N, M> {
+    pub(crate) fn new(model: &M) -> Self {
+        Self { base: model.base(), state: State::new(model, ()) }
+    }
+
+    /// Back to the base mesh, in the memory that is there. Dearer to undo than to copy: O(cells of the model / 64).
+    pub(crate) fn reset(&mut self) {
+        let State { view, steps, .. } = &mut self.state;
+        for step in steps.drain(..) {
+            view.front.set(step.node, false);
+        }
+        view.mesh.clone_from(&self.base);
+    }
 }
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
+    /// How many steps each forcing of the last call took.
+    pub(crate) chains: Vec<u32>,
+    /// The front before the call, for criteria with memory.
+    pub(crate) before: Front,
     /// The chain that is being forced.
     pub(crate) chain: Vec<NodeId>,
-    /// The nodes of the chain that is being counted.
+    /// The nodes of the chain that is being counted, or the runs that are. Empty in between.
     pub(crate) marked: Bits,
     /// Answers of the model.
     pub(crate) nodes: Vec<NodeId>,
@@ -81,8 +109,23 @@ pub struct Outcome {
     pub coarsened: u32,
     /// Of those that refined: nodes that the criterion did not ask for, but others need.
     pub forced: u32,
+    /// Steps of the longest chain: the most that refining a single node took, itself and all that had to go before.
+    /// Where a criterion judges runs of nodes as one, a run is such a node. See [`State::chains`] for each of them.
+    pub chain_max: u32,
+    /// Runs of more than one node that were refined or coarsened as one; 0 unless the criterion is [`crate::OnPath`].
+    /// What a fan hierarchy calls fan steps.
+    pub runs: u32,
+    /// All other steps, which were taken by themselves.
+    pub singles: u32,
     /// Whether the criterion is satisfied; not so when time ran out or the budget is used up.
     pub complete: bool,
+}
+
+impl Outcome {
+    /// The same where so many runs of so many nodes were changed as one.
+    pub(crate) fn with_runs(self, (runs, nodes): (u32, u32)) -> Self {
+        Self { runs, singles: self.singles - nodes, ..self }
+    }
 }
 
 impl<const N: usize, M: MultiTessellation<N>, S: Sink<N>> State<N, M, S> {
@@ -91,7 +134,21 @@ impl<const N: usize, M: MultiTessellation<N>, S: Sink<N>> State<N, M, S> {
         let view = model.base_view();
         model.cells(&view.mesh, |cell, corners| sink.make(cell, corners));
         let scratch = Scratch { marked: Bits::new(model.len()), ..Scratch::default() };
-        Self { view, sink, steps: Vec::new(), scratch }
+        Self { view, sink, steps: Vec::new(), scratch, search: None }
+    }
+
+    /// How many steps each forcing of the last call took: the node that was asked for, and all it needed that was not
+    /// refined by then. Whoever wants the number of forced nodes takes off one. In the order of the call; under a budget
+    /// of cells from the base mesh, and only those that fitted.
+    pub fn chains(&self) -> &[u32] {
+        &self.scratch.chains
+    }
+
+    /// Forces `m` for an engine, which counts chains.
+    pub(crate) fn force_counted(&mut self, model: &M, m: NodeId) {
+        let mark = self.steps.len();
+        self.force(model, m);
+        self.scratch.chains.push((self.steps.len() - mark) as u32);
     }
 
     /// The refined nodes.
@@ -149,9 +206,11 @@ impl<const N: usize, M: MultiTessellation<N>, S: Sink<N>> State<N, M, S> {
         }
     }
 
-    /// Counts the steps since `mark`.
+    /// Counts the steps since `mark`, each by itself.
     pub(crate) fn outcome_since(&self, mark: usize, forced: u32, complete: bool) -> Outcome {
+        let steps = (self.steps.len() - mark) as u32;
         let refined = self.steps[mark..].iter().filter(|step| step.refined).count() as u32;
-        Outcome { refined, coarsened: (self.steps.len() - mark) as u32 - refined, forced, complete }
+        let chain_max = self.scratch.chains.iter().copied().max().unwrap_or(0);
+        Outcome { refined, coarsened: steps - refined, forced, chain_max, runs: 0, singles: steps, complete }
     }
 }
