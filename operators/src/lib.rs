@@ -13,6 +13,12 @@
 //! | metric | what it measures |
 //! |---|---|
 //! | [`metric::Quadrics`] | weighted squared distances to planes |
+//! | [`metric::QuadricAttributes`] | the same, with attributes of the vertices such as normals |
+//! | [`metric::LindstromTurk`] | volumes and boundary areas that one step sweeps, nothing remembered |
+//! | [`metric::EdgeLength`] | how long the edge is |
+//!
+//! Any operator that makes two vertices one takes any metric: `EdgeCollapse::HALF.with(metric::EdgeLength)`, or by name
+//! `EdgeCollapse::FULL.with("lindstrom-turk".parse::<metric::AnyMetric>()?)`.
 //!
 //! ```
 //! use mt_core::analysis::{Options, simplify};

@@ -7,9 +7,23 @@
 //! | name | type | price | state of a vertex |
 //! |---|---|---|---|
 //! | `quadric` | [`Quadrics`] | weighted squared distances to planes | a quadric |
+//! | `quadric-attributes` | [`QuadricAttributes`] | the same in the space of positions and attributes | a quadric, attributes |
+//! | `lindstrom-turk` | [`LindstromTurk`] | squared volumes and boundary areas of this step | an error |
+//! | `edge-length` | [`EdgeLength`] | the distance between the two | a displacement |
+//!
+//! [`AnyMetric`] is one of these, by name.
 
+mod any;
+mod attributes;
+mod constraints;
+mod edge_length;
+mod lindstrom_turk;
 mod quadric;
 
+pub use any::{AnyMetric, AnyPair, AnyState, UnknownMetric};
+pub use attributes::{AttributePair, AttributeQuadric, AttributeState, QuadricAttributes};
+pub use edge_length::{Displacements, EdgeLength};
+pub use lindstrom_turk::{LindstromTurk, Memoryless, Surroundings};
 pub use quadric::{Quadric, Quadrics};
 
 use glam::Vec3;
@@ -100,6 +114,13 @@ pub trait Metric {
     /// Hears that two vertices have become one; `draft` is as it is after that, and still has the positions of both.
     /// Several that become one are told one after the other.
     fn merged(&self, draft: &Draft<3>, state: &mut Self::State, merge: &Merge);
+}
+
+/// Length of the diagonal of the box around all positions.
+fn diagonal(positions: &[Vec3]) -> f64 {
+    let Some(&first) = positions.first() else { return 0.0 };
+    let (low, high) = positions.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
+    (high.as_dvec3() - low.as_dvec3()).length()
 }
 
 /// The positions of two vertices.

@@ -5,7 +5,7 @@
 //! by area (as in Garland's thesis), boundary planes by squared length times a factor that the caller chooses.
 
 use super::{Boundary, Merge, Metric, Offer, Place, ends_of, fixed, put};
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3};
 use mt_core::VertexId;
 use mt_core::analysis::{Draft, Unfit};
 use mt_core::mesh::area_vector;
@@ -54,17 +54,82 @@ impl Quadric {
         }
     }
 
+    /// The squared distance to the line `a b`, times its squared length.
+    pub fn of_line(a: DVec3, b: DVec3) -> Self {
+        let along = b - a;
+        let squares = along * along;
+        let weight = along.length_squared();
+        let moment = along.cross(a);
+        Self {
+            diagonal: DVec3::splat(weight) - squares,
+            mixed: -DVec3::new(along.y * along.z, along.x * along.z, along.x * along.y),
+            linear: along.cross(moment),
+            constant: moment.length_squared(),
+            weight,
+        }
+    }
+
+    /// `weight` times `p (I - u uᵀ - v vᵀ) p + 2 linear p + constant`: the part that positions have in a distance to a
+    /// plane that `u` and `v` are parts of.
+    pub(super) fn besides(u: DVec3, v: DVec3, linear: DVec3, constant: f64, weight: f64) -> Self {
+        let mixed = |a: DVec3| DVec3::new(a.y * a.z, a.x * a.z, a.x * a.y);
+        Self {
+            diagonal: (DVec3::ONE - u * u - v * v) * weight,
+            mixed: (mixed(u) + mixed(v)) * -weight,
+            linear: linear * weight,
+            constant: constant * weight,
+            weight,
+        }
+    }
+
+    /// Takes `(direction p + offset)²` away.
+    pub(super) fn take(&mut self, direction: DVec3, offset: f64) {
+        let d = direction;
+        self.diagonal -= d * d;
+        self.mixed -= DVec3::new(d.y * d.z, d.x * d.z, d.x * d.y);
+        self.linear -= d * offset;
+        self.constant -= offset * offset;
+    }
+
+    /// The sum of the weights.
+    pub(super) fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    /// `A`.
+    pub(super) fn matrix(&self) -> DMat3 {
+        let (d, m) = (self.diagonal, self.mixed);
+        DMat3::from_cols(DVec3::new(d.x, m.z, m.y), DVec3::new(m.z, d.y, m.x), DVec3::new(m.y, m.x, d.z))
+    }
+
+    /// `b`.
+    pub(super) fn linear(&self) -> DVec3 {
+        self.linear
+    }
+
     /// The sum of weighted squared distances from `p`, not below 0.
     #[inline]
     pub fn value(&self, p: DVec3) -> f64 {
+        self.value_raw(p).max(0.0)
+    }
+
+    /// The value, below 0 by rounding, or because it is a part of another.
+    #[inline]
+    pub(super) fn value_raw(&self, p: DVec3) -> f64 {
         let mixed = self.mixed.x * p.y * p.z + self.mixed.y * p.x * p.z + self.mixed.z * p.x * p.y;
-        (self.diagonal.dot(p * p) + 2.0 * (mixed + self.linear.dot(p)) + self.constant).max(0.0)
+        self.diagonal.dot(p * p) + 2.0 * (mixed + self.linear.dot(p)) + self.constant
     }
 
     /// The root mean square distance from `p` to the planes, in model units: an estimate of the distance to the surface.
     /// Boundary planes raise it near boundaries; without any area it is 0.
     pub fn distance(&self, p: DVec3) -> f64 {
-        if self.weight > 0.0 { (self.value(p) / self.weight).sqrt() } else { 0.0 }
+        self.root(self.value(p))
+    }
+
+    /// The distance that a value stands for.
+    #[inline]
+    pub(super) fn root(&self, value: f64) -> f64 {
+        if self.weight > 0.0 { (value / self.weight).sqrt() } else { 0.0 }
     }
 
     /// The point of least value, where the planes pin one down well enough.
@@ -149,7 +214,7 @@ impl Metric for Quadrics {
     #[inline]
     fn offer(&self, draft: &Draft<3>, ends: [VertexId; 2], quadric: &Quadric, place: Place) -> Offer {
         let ends = ends_of(draft, ends);
-        let position = fixed(ends, place).unwrap_or_else(|| optimal(ends, quadric));
+        let position = fixed(ends, place).unwrap_or_else(|| optimal(ends.map(|p| p.as_dvec3()), quadric).as_vec3());
         let at = position.as_dvec3();
         Offer { position, price: quadric.value(at), error: quadric.distance(at) }
     }
@@ -163,11 +228,10 @@ impl Metric for Quadrics {
 
 /// The quadric's minimum if it is near the ends, else the best point between them.
 #[inline]
-fn optimal(ends: [Vec3; 2], quadric: &Quadric) -> Vec3 {
-    let [a, b] = ends.map(|p| p.as_dvec3());
+pub(super) fn optimal([a, b]: [DVec3; 2], quadric: &Quadric) -> DVec3 {
     // Planes that are nearly parallel pin their meeting point down badly; it may be far away.
     let near = |p: &DVec3| p.distance_squared((a + b) * 0.5) <= 4.0 * a.distance_squared(b);
-    quadric.minimum().filter(near).unwrap_or_else(|| quadric.minimum_on(a, b)).as_vec3()
+    quadric.minimum().filter(near).unwrap_or_else(|| quadric.minimum_on(a, b))
 }
 
 impl Add for Quadric {
@@ -208,6 +272,12 @@ mod tests {
             let quadric = Quadric::of_triangle([a, b, c]);
             prop_assert!((quadric.value(p) - height * height * vector.length() * 0.5).abs() < 1e-9);
             prop_assert!((quadric.distance(p) - height.abs()).abs() < 1e-6);
+        }
+
+        #[test]
+        fn a_line_is_as_far_as_its_nearest_point(a in point(), b in point(), p in point()) {
+            let far = (p - a).cross(b - a).length_squared();
+            prop_assert!((Quadric::of_line(a, b).value(p) - far).abs() < 1e-9);
         }
 
         #[test]
