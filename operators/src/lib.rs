@@ -7,12 +7,18 @@
 //!
 //! | operator | what it does |
 //! |---|---|
-//! | [`EdgeCollapse::FULL`] | an edge becomes a new vertex, where the quadrics of both ends are least |
+//! | [`EdgeCollapse::FULL`] | an edge becomes a new vertex, where the metric likes it best |
 //! | [`EdgeCollapse::HALF`] | an edge becomes one of its ends; no vertex is made |
 //!
 //! | metric | what it measures |
 //! |---|---|
-//! | [`metric::Quadric`] | weighted squared distances to planes |
+//! | [`metric::Quadrics`] | weighted squared distances to planes |
+//! | [`metric::QuadricAttributes`] | the same, with attributes of the vertices such as normals |
+//! | [`metric::LindstromTurk`] | volumes and boundary areas that one step sweeps, nothing remembered |
+//! | [`metric::EdgeLength`] | how long the edge is |
+//!
+//! Any operator that makes two vertices one takes any metric: `EdgeCollapse::HALF.with(metric::EdgeLength)`, or by name
+//! `EdgeCollapse::FULL.with("lindstrom-turk".parse::<metric::AnyMetric>()?)`.
 //!
 //! ```
 //! use mt_core::analysis::{Options, simplify};

@@ -4,7 +4,11 @@
 //! `sqrt(value / weight)` is a root mean square distance in model units. Deviation from the paper: planes are weighted
 //! by area (as in Garland's thesis), boundary planes by squared length times a factor that the caller chooses.
 
-use glam::DVec3;
+use super::{Boundary, Merge, Metric, Offer, Place, ends_of, fixed, put};
+use glam::{DMat3, DVec3};
+use mt_core::VertexId;
+use mt_core::analysis::{Draft, Unfit};
+use mt_core::mesh::area_vector;
 use std::ops::{Add, AddAssign};
 
 /// Sum of weighted squared distances to planes: `p A p + 2 b p + c`. 88 bytes.
@@ -34,7 +38,7 @@ impl Quadric {
 
     /// The area of a triangle times the squared distance to its plane; nothing for a triangle without area.
     pub fn of_triangle(corners: [DVec3; 3]) -> Self {
-        let vector = mt_core::mesh::area_vector(corners);
+        let vector = area_vector(corners);
         let double_area = vector.length();
         match vector.try_normalize() {
             Some(normal) => Self::of_plane(corners[0], normal, double_area * 0.5),
@@ -50,17 +54,82 @@ impl Quadric {
         }
     }
 
+    /// The squared distance to the line `a b`, times its squared length.
+    pub fn of_line(a: DVec3, b: DVec3) -> Self {
+        let along = b - a;
+        let squares = along * along;
+        let weight = along.length_squared();
+        let moment = along.cross(a);
+        Self {
+            diagonal: DVec3::splat(weight) - squares,
+            mixed: -DVec3::new(along.y * along.z, along.x * along.z, along.x * along.y),
+            linear: along.cross(moment),
+            constant: moment.length_squared(),
+            weight,
+        }
+    }
+
+    /// `weight` times `p (I - u uᵀ - v vᵀ) p + 2 linear p + constant`: the part that positions have in a distance to a
+    /// plane that `u` and `v` are parts of.
+    pub(super) fn besides(u: DVec3, v: DVec3, linear: DVec3, constant: f64, weight: f64) -> Self {
+        let mixed = |a: DVec3| DVec3::new(a.y * a.z, a.x * a.z, a.x * a.y);
+        Self {
+            diagonal: (DVec3::ONE - u * u - v * v) * weight,
+            mixed: (mixed(u) + mixed(v)) * -weight,
+            linear: linear * weight,
+            constant: constant * weight,
+            weight,
+        }
+    }
+
+    /// Takes `(direction p + offset)²` away.
+    pub(super) fn take(&mut self, direction: DVec3, offset: f64) {
+        let d = direction;
+        self.diagonal -= d * d;
+        self.mixed -= DVec3::new(d.y * d.z, d.x * d.z, d.x * d.y);
+        self.linear -= d * offset;
+        self.constant -= offset * offset;
+    }
+
+    /// The sum of the weights.
+    pub(super) fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    /// `A`.
+    pub(super) fn matrix(&self) -> DMat3 {
+        let (d, m) = (self.diagonal, self.mixed);
+        DMat3::from_cols(DVec3::new(d.x, m.z, m.y), DVec3::new(m.z, d.y, m.x), DVec3::new(m.y, m.x, d.z))
+    }
+
+    /// `b`.
+    pub(super) fn linear(&self) -> DVec3 {
+        self.linear
+    }
+
     /// The sum of weighted squared distances from `p`, not below 0.
     #[inline]
     pub fn value(&self, p: DVec3) -> f64 {
+        self.value_raw(p).max(0.0)
+    }
+
+    /// The value, below 0 by rounding, or because it is a part of another.
+    #[inline]
+    pub(super) fn value_raw(&self, p: DVec3) -> f64 {
         let mixed = self.mixed.x * p.y * p.z + self.mixed.y * p.x * p.z + self.mixed.z * p.x * p.y;
-        (self.diagonal.dot(p * p) + 2.0 * (mixed + self.linear.dot(p)) + self.constant).max(0.0)
+        self.diagonal.dot(p * p) + 2.0 * (mixed + self.linear.dot(p)) + self.constant
     }
 
     /// The root mean square distance from `p` to the planes, in model units: an estimate of the distance to the surface.
     /// Boundary planes raise it near boundaries; without any area it is 0.
     pub fn distance(&self, p: DVec3) -> f64 {
-        if self.weight > 0.0 { (self.value(p) / self.weight).sqrt() } else { 0.0 }
+        self.root(self.value(p))
+    }
+
+    /// The distance that a value stands for.
+    #[inline]
+    pub(super) fn root(&self, value: f64) -> f64 {
+        if self.weight > 0.0 { (value / self.weight).sqrt() } else { 0.0 }
     }
 
     /// The point of least value, where the planes pin one down well enough.
@@ -104,6 +173,67 @@ impl Quadric {
     }
 }
 
+/// The metric of `[GarlandHeckbert1997]`: each vertex has the sum of the quadrics of its triangles, two that become one
+/// add theirs up, and the best place is where the sum is least. The error is the root mean square distance to the planes
+/// of the sum; it may fall from one collapse to the next.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub struct Quadrics;
+
+impl Metric for Quadrics {
+    type State = Vec<Quadric>;
+    type Pair = Quadric;
+
+    fn name(&self) -> &'static str {
+        "quadric"
+    }
+
+    fn prepare(&self, draft: &Draft<3>, boundary: &Boundary<'_>) -> Result<Vec<Quadric>, Unfit> {
+        let corners = |cell: [VertexId; 3]| cell.map(|v| draft.positions[v.index()].as_dvec3());
+        let mut quadrics = vec![Quadric::default(); draft.positions.len()];
+        for (_, &cell) in draft.complex.cells() {
+            let quadric = Quadric::of_triangle(corners(cell));
+            for v in cell {
+                quadrics[v.index()] += quadric;
+            }
+        }
+        for edge in boundary.edges {
+            let [a, b] = edge.ends.map(|v| draft.positions[v.index()].as_dvec3());
+            let quadric = Quadric::of_boundary_edge(a, b, area_vector(corners(edge.cell)), boundary.weight);
+            for v in edge.ends {
+                quadrics[v.index()] += quadric;
+            }
+        }
+        Ok(quadrics)
+    }
+
+    #[inline]
+    fn pair(&self, _: &Draft<3>, quadrics: &Vec<Quadric>, ends: [VertexId; 2]) -> Quadric {
+        quadrics[ends[0].index()] + quadrics[ends[1].index()]
+    }
+
+    #[inline]
+    fn offer(&self, draft: &Draft<3>, ends: [VertexId; 2], quadric: &Quadric, place: Place) -> Offer {
+        let ends = ends_of(draft, ends);
+        let position = fixed(ends, place).unwrap_or_else(|| optimal(ends.map(|p| p.as_dvec3()), quadric).as_vec3());
+        let at = position.as_dvec3();
+        Offer { position, price: quadric.value(at), error: quadric.distance(at) }
+    }
+
+    fn merged(&self, _: &Draft<3>, quadrics: &mut Vec<Quadric>, merge: &Merge) {
+        let [a, b] = merge.ends;
+        let sum = quadrics[a.index()] + quadrics[b.index()];
+        put(quadrics, merge.into, sum);
+    }
+}
+
+/// The quadric's minimum if it is near the ends, else the best point between them.
+#[inline]
+pub(super) fn optimal([a, b]: [DVec3; 2], quadric: &Quadric) -> DVec3 {
+    // Planes that are nearly parallel pin their meeting point down badly; it may be far away.
+    let near = |p: &DVec3| p.distance_squared((a + b) * 0.5) <= 4.0 * a.distance_squared(b);
+    quadric.minimum().filter(near).unwrap_or_else(|| quadric.minimum_on(a, b))
+}
+
 impl Add for Quadric {
     type Output = Self;
     #[inline]
@@ -142,6 +272,12 @@ mod tests {
             let quadric = Quadric::of_triangle([a, b, c]);
             prop_assert!((quadric.value(p) - height * height * vector.length() * 0.5).abs() < 1e-9);
             prop_assert!((quadric.distance(p) - height.abs()).abs() < 1e-6);
+        }
+
+        #[test]
+        fn a_line_is_as_far_as_its_nearest_point(a in point(), b in point(), p in point()) {
+            let far = (p - a).cross(b - a).length_squared();
+            prop_assert!((Quadric::of_line(a, b).value(p) - far).abs() < 1e-9);
         }
 
         #[test]
