@@ -9,6 +9,7 @@
 //! |---|---|
 //! | [`EdgeCollapse::FULL`] | an edge becomes a new vertex, where the quadrics of both ends are least |
 //! | [`EdgeCollapse::HALF`] | an edge becomes one of its ends; no vertex is made |
+//! | [`FanMerge::PARTIAL`] | all vertices around one, or as many as can go, are merged into it |
 //!
 //! | metric | what it measures |
 //! |---|---|
@@ -28,6 +29,8 @@
 //! ```
 
 pub mod edge_collapse;
+pub mod fan_merge;
 pub mod metric;
 
 pub use edge_collapse::EdgeCollapse;
+pub use fan_merge::FanMerge;
