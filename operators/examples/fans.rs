@@ -1,6 +1,6 @@
 //! Coarsens a mesh by fans and tells where full fans stall, what came after, and how long it took beside edge collapse.
 //!
-//! `cargo run --release --example fans -- FILE [TIMES]`, a mesh in any format that can be read.
+//! `cargo run --release --example fans -- FILE [TIMES] [levels|quality|speed|stop]`, a mesh in any format that can be read.
 
 use mt_core::analysis::{Draft, Ended, Listener, Operator, Options, Stopped, analyse, simplify};
 use mt_core::explicit::HistoryError;
@@ -25,15 +25,23 @@ impl Listener<3> for Deaf {
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let Some(path) = arguments.first() else {
-        eprintln!("usage: fans FILE [TIMES]");
+        eprintln!("usage: fans FILE [TIMES] [levels|quality|speed|stop]");
         std::process::exit(2);
     };
     let times = arguments.get(1).and_then(|text| text.parse().ok()).unwrap_or(3);
     let mesh = load(path);
     println!("{} vertices, {} triangles", mesh.vertex_count(), mesh.cell_count());
-    levels(&mesh);
-    quality(&mesh);
-    speed(&mesh, times);
+    match arguments.get(2).map(String::as_str) {
+        Some("levels") => levels(&mesh),
+        Some("quality") => quality(&mesh),
+        Some("speed") => speed(&mesh, times),
+        Some("stop") => (0..times).for_each(|_| _ = run(&mesh, &FanMerge::STOP, None, &mut Deaf)),
+        _ => {
+            levels(&mesh);
+            quality(&mesh);
+            speed(&mesh, times);
+        }
+    }
 }
 
 /// The file's mesh, split where it is not a manifold.

@@ -20,6 +20,8 @@ pub struct Aux {
     /// How often the price of each vertex has changed.
     stamps: Vec<u32>,
     on_boundary: Vec<bool>,
+    /// Of each vertex: the sum of what merging those around it would cost, with accumulated planes, and their number.
+    sums: Vec<(f64, u32)>,
     /// Whether the triangles of every inner edge pass it in opposite directions; collapses keep that.
     coherent: bool,
     /// Makes a price a number that does not depend on the unit of the model, and hardly exceeds 1.
@@ -34,13 +36,14 @@ pub struct Aux {
 const OCTAVES: i32 = 60;
 
 impl Aux {
-    pub(super) fn new(draft: &Draft<3>, edges: &[ManifoldEdge], boundary_weight: f64) -> Self {
+    pub(super) fn new(fan: &FanMerge, draft: &Draft<3>, edges: &[ManifoldEdge]) -> Self {
         let vertices = draft.positions.len();
         let mut aux = Self {
             quadrics: vec![Quadric::default(); vertices],
             errors: vec![0.0; vertices],
             stamps: vec![0; vertices],
             on_boundary: vec![false; vertices],
+            sums: vec![(0.0, 0); vertices],
             coherent: edges.iter().all(|edge| edge.coherent),
             scale: 1.0,
             stalled: false,
@@ -60,7 +63,7 @@ impl Aux {
         for edge in edges.iter().filter(|edge| edge.on_boundary) {
             let [a, b] = edge.ends.map(position);
             let upright = area_vector(draft.complex.cell(edge.slot).map(position));
-            let quadric = Quadric::of_boundary_edge(a, b, upright, boundary_weight);
+            let quadric = Quadric::of_boundary_edge(a, b, upright, fan.boundary_weight);
             for v in edge.ends {
                 aux.quadrics[v.index()] += quadric;
                 aux.on_boundary[v.index()] = true;
@@ -68,6 +71,9 @@ impl Aux {
         }
         let scale = 1.0 / (area * (high - low).length_squared());
         aux.scale = if scale.is_finite() { scale } else { 1.0 };
+        for v in (0..vertices).map(VertexId::new) {
+            aux.sums[v.index()] = aux.sum(fan, draft, v);
+        }
         aux
     }
 
@@ -81,6 +87,11 @@ impl Aux {
 
     pub(super) fn is_on_boundary(&self, v: VertexId) -> bool {
         self.on_boundary[v.index()]
+    }
+
+    #[inline]
+    pub(super) fn stamp(&self, v: VertexId) -> u32 {
+        self.stamps[v.index()]
     }
 
     pub(super) fn quadric(&self, v: VertexId) -> &Quadric {
@@ -118,7 +129,12 @@ impl Aux {
     }
 
     /// Eq. 2 of `[LivnySokolovskyElSana2006]`: the sum over the vertices around `hub` of what merging each would cost.
-    pub(super) fn price(&self, fan: &FanMerge, draft: &Draft<3>, hub: VertexId) -> f64 {
+    pub(super) fn price(&self, fan: &FanMerge, hub: VertexId) -> f64 {
+        let (sum, count) = self.sums[hub.index()];
+        weighed(fan, sum, count)
+    }
+
+    fn sum(&self, fan: &FanMerge, draft: &Draft<3>, hub: VertexId) -> (f64, u32) {
         let at = draft.positions[hub.index()].as_dvec3();
         let (mut sum, mut count) = (0.0, 0);
         let mut add = |u: VertexId| {
@@ -134,7 +150,7 @@ impl Aux {
             self.link(&draft.complex, hub, &mut work.around);
             work.around.iter().for_each(|&u| add(u));
         }
-        weighed(fan, sum, count)
+        (sum, count)
     }
 
     /// The same with the planes of the triangles that the merge would modify.
@@ -182,23 +198,62 @@ impl Aux {
     }
 
     /// Hears that a plan was applied: its children's planes are now the hub's, and all around have new prices.
-    pub(super) fn merged(&mut self, draft: &Draft<3>, plan: &Plan<3>, again: &mut Vec<Site>) {
+    pub(super) fn merged(&mut self, fan: &FanMerge, draft: &Draft<3>, plan: &Plan<3>, again: &mut Vec<Site>) {
         let hub = plan.kept.expect("a fan is merged into a vertex that stays");
+        let planned = self.work.get_mut();
+        let is_known = planned.hub == hub && planned.merged.iter().map(|child| &child.vertex).eq(&plan.retired);
+        debug_assert!(is_known, "the plan that is applied is not the last that was made");
+        let was_full = planned.was_full;
         for u in &plan.retired {
             let quadric = self.quadrics[u.index()];
             self.quadrics[hub.index()] += quadric;
         }
         self.errors[hub.index()] = self.errors[hub.index()].max(plan.error);
-        self.stalled |= !self.work.get_mut().was_full;
-        let mut around = std::mem::take(&mut self.work.get_mut().around);
-        self.link(&draft.complex, hub, &mut around);
-        around.push(hub);
-        for &v in &around {
+        self.stalled |= !was_full;
+        if fan.planes == Planes::Accumulated && was_full {
+            self.take_out_merged(fan, draft, hub);
+        }
+        let mut ring = std::mem::take(&mut self.work.get_mut().ring);
+        self.link(&draft.complex, hub, &mut ring);
+        ring.push(hub);
+        for &v in &ring {
+            if fan.planes == Planes::Accumulated {
+                match was_full && v != hub {
+                    true => self.put_in(fan, draft, hub, v),
+                    false => self.sums[v.index()] = self.sum(fan, draft, v),
+                }
+            }
             let stamp = &mut self.stamps[v.index()];
             *stamp += 1;
             again.push(Site { hub: v, stamp: *stamp, round: Round::Full });
         }
-        self.work.get_mut().around = around;
+        self.work.get_mut().ring = ring;
+    }
+
+    /// Takes what was merged out of the sums of those around it: cheaper than adding all up anew, and as good as the sum
+    /// of what is left is not far smaller than what is taken out.
+    fn take_out_merged(&mut self, fan: &FanMerge, draft: &Draft<3>, hub: VertexId) {
+        let work = std::mem::take(self.work.get_mut());
+        for child in &work.merged {
+            let u = child.vertex;
+            for &w in work.link_of(child) {
+                if w != hub && draft.complex.has_star(w) && self.may_go(fan, u, w) {
+                    let cost = self.quadrics[u.index()].value(draft.positions[w.index()].as_dvec3());
+                    let (sum, count) = &mut self.sums[w.index()];
+                    *sum = (*sum - cost).max(0.0);
+                    *count -= 1;
+                }
+            }
+        }
+        *self.work.get_mut() = work;
+    }
+
+    fn put_in(&mut self, fan: &FanMerge, draft: &Draft<3>, u: VertexId, hub: VertexId) {
+        if self.may_go(fan, u, hub) {
+            let (sum, count) = &mut self.sums[hub.index()];
+            *sum += self.quadrics[u.index()].value(draft.positions[hub.index()].as_dvec3());
+            *count += 1;
+        }
     }
 }
 

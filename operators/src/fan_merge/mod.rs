@@ -128,7 +128,7 @@ impl Operator<3> for FanMerge {
         let edges = manifold::check(&draft.complex)?;
         let vertices = (0..draft.positions.len()).map(VertexId::new).filter(|&v| draft.complex.has_star(v));
         sites.extend(vertices.map(|hub| Site { hub, stamp: 0, round: Round::Full }));
-        Ok(Aux::new(draft, &edges, self.boundary_weight))
+        Ok(Aux::new(self, draft, &edges))
     }
 
     fn price(&self, draft: &Draft<3>, aux: &Aux, site: Site) -> Option<f64> {
@@ -138,7 +138,7 @@ impl Operator<3> for FanMerge {
         let round = self.round(aux, site);
         let price = match (round, self.planes) {
             (Round::Single, _) => aux.least_price(self, draft, site.hub),
-            (_, Planes::Accumulated) => aux.price(self, draft, site.hub),
+            (_, Planes::Accumulated) => aux.price(self, site.hub),
             (_, Planes::Current) => aux.price_of_current(self, draft, site.hub),
         };
         Some(aux.in_round(price, round))
@@ -173,7 +173,7 @@ impl Operator<3> for FanMerge {
     }
 
     fn applied(&self, draft: &Draft<3>, aux: &mut Aux, plan: &Plan<3>, again: &mut Vec<Site>) {
-        aux.merged(draft, plan, again);
+        aux.merged(self, draft, plan, again);
     }
 }
 

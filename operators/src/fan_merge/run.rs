@@ -19,28 +19,64 @@ pub(super) struct Work {
     /// Of each vertex: `now` if it is around the hub, `now + 1` if it was merged into it, anything below if neither.
     marks: Vec<u32>,
     now: u32,
+    /// Of each vertex: why its full fan was refused, and what must change before that is asked again.
+    witnesses: Vec<Witness>,
     /// The vertices around the hub before anything is merged.
     pub(super) ring: Vec<VertexId>,
     /// The vertices around another one.
     pub(super) around: Vec<VertexId>,
     /// Children that are not merged yet, cheapest first.
     waiting: Vec<Child>,
-    merged: Vec<Child>,
+    pub(super) merged: Vec<Child>,
+    /// The triangles at the children, child by child.
+    sides: Vec<Side>,
+    /// The vertices around the children, child by child.
+    links: Vec<VertexId>,
+    /// Triangles that would fold over, child by child: of the other corners, one must have gone before.
+    folds: Vec<[VertexId; 2]>,
     /// Triangles that go without a successor.
     dying: Vec<Slot>,
-    /// Whether the last plan merged all that was around the hub.
+    /// What the last plan was for, and whether it merged all that was around it.
+    pub(super) hub: VertexId,
     pub(super) was_full: bool,
 }
 
+/// A vertex around the hub, with its places in the lists of [`Work`].
 #[derive(Copy, Clone, Debug)]
-struct Child {
-    vertex: VertexId,
+pub(super) struct Child {
+    pub(super) vertex: VertexId,
     cost: f64,
+    sides: [u32; 2],
+    links: [u32; 2],
+    folds: [u32; 2],
+}
+
+/// A triangle at a child.
+#[derive(Copy, Clone, Debug)]
+struct Side {
+    slot: Slot,
+    /// Which corner the child is.
+    corner: u32,
+    others: [VertexId; 2],
+}
+
+#[derive(Copy, Clone, Debug)]
+struct Witness {
+    hub_stamp: u32,
+    /// The vertex around the hub at which nothing may change; none for all of them.
+    child: VertexId,
+    stamp: u32,
+    refusal: Refusal,
+}
+
+fn part<T>(all: &[T], [from, to]: [u32; 2]) -> &[T] {
+    &all[from as usize..to as usize]
 }
 
 impl Work {
     pub(super) fn new(vertices: usize) -> Self {
-        Self { marks: vec![0; vertices], now: 2, ..Self::default() }
+        let none = Witness { hub_stamp: u32::MAX, child: VertexId::NONE, stamp: 0, refusal: Refusal::Stale };
+        Self { marks: vec![0; vertices], now: 2, witnesses: vec![none; vertices], ..Self::default() }
     }
 
     /// Forgets all marks, and marks what is around `hub`.
@@ -56,12 +92,19 @@ impl Work {
         }
     }
 
+    #[inline]
     fn is_around(&self, v: VertexId) -> bool {
         self.marks[v.index()] == self.now
     }
 
+    #[inline]
     fn is_merged(&self, v: VertexId) -> bool {
         self.marks[v.index()] == self.now + 1
+    }
+
+    /// The vertices around a child of the last plan, as they were when it was made.
+    pub(super) fn link_of(&self, child: &Child) -> &[VertexId] {
+        part(&self.links, child.links)
     }
 
     /// The planes of the triangles at `u` that stay when all around the hub is merged; nothing may be merged yet.
@@ -87,27 +130,28 @@ pub(super) fn plan(
     plan: &mut Plan<3>,
 ) -> Result<(), Refusal> {
     let work = &mut *aux.work();
-    work.surround(aux, draft, hub);
-    work.waiting.clear();
-    work.merged.clear();
     let at = draft.positions[hub.index()].as_dvec3();
-    for k in 0..work.ring.len() {
-        let u = work.ring[k];
-        if aux.may_go(fan, u, hub) {
-            let cost = aux.cost(fan, work, draft, u, hub).value(at);
-            work.waiting.push(Child { vertex: u, cost });
-        }
+    let mut run = Run { fan, draft, aux, hub, at, ring_len: 0 };
+    let all = matches!(demand, Demand::All);
+    work.surround(aux, draft, hub);
+    if all {
+        run.recall(work)?;
     }
     let degree = work.ring.len();
+    run.ring_len = degree + usize::from(aux.is_on_boundary(hub));
     let (least, most) = match demand {
-        Demand::All if work.waiting.len() < degree => return Err(Refusal::Boundary),
         Demand::All if degree > LINK_MAX => return Err(Refusal::Limit),
         Demand::All => (degree, degree),
         Demand::Between(least, most) => (least, most),
     };
+    run.gather(work, all)?;
     work.waiting.sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost).then(a.vertex.cmp(&b.vertex)));
-    Run { fan, draft, aux, hub, at, ring_len: degree + usize::from(aux.is_on_boundary(hub)) }
-        .make(work, least, most)?;
+    run.make(work, least, most).inspect_err(|&refusal| {
+        if all {
+            run.remember(work, refusal);
+        }
+    })?;
+    work.hub = hub;
     work.was_full = work.merged.len() == degree;
     judge(fan, draft, aux, hub, work, plan)?;
     fill(draft, hub, work, plan);
@@ -127,10 +171,115 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
+    /// Refuses as the last time, if what stood in the way is as it was.
+    fn recall(&self, work: &Work) -> Result<(), Refusal> {
+        let witness = work.witnesses[self.hub.index()];
+        let same = witness.hub_stamp == self.aux.stamp(self.hub)
+            && match witness.child {
+                VertexId::NONE => witness.stamp == self.stamp_of_ring(work),
+                child => witness.stamp == self.aux.stamp(child),
+            };
+        if same { Err(witness.refusal) } else { Ok(()) }
+    }
+
+    /// Grows when anything changes at the vertices around the hub.
+    fn stamp_of_ring(&self, work: &Work) -> u32 {
+        work.ring.iter().fold(0, |sum, &u| sum.wrapping_add(self.aux.stamp(u)))
+    }
+
+    fn remember(&self, work: &mut Work, refusal: Refusal) {
+        let [hub_stamp, stamp] = [self.aux.stamp(self.hub), self.stamp_of_ring(work)];
+        work.witnesses[self.hub.index()] = Witness { hub_stamp, child: VertexId::NONE, stamp, refusal };
+    }
+
+    /// Lists the children that may go sooner or later, with what is around them. Where all are wanted, the first that
+    /// never may ends it.
+    fn gather(&self, work: &mut Work, all: bool) -> Result<(), Refusal> {
+        work.waiting.clear();
+        work.merged.clear();
+        work.sides.clear();
+        work.links.clear();
+        work.folds.clear();
+        for k in 0..work.ring.len() {
+            let u = work.ring[k];
+            if self.aux.may_go(self.fan, u, self.hub) {
+                let child = self.child(u, work);
+                work.waiting.push(child);
+            } else if all {
+                return Err(Refusal::Boundary);
+            }
+        }
+        if self.fan.fold_cosine <= -1.0 {
+            return Ok(());
+        }
+        for k in (0..work.waiting.len()).rev() {
+            match self.find_folds(work.waiting[k], work) {
+                Ok(folds) => work.waiting[k].folds = folds,
+                Err((u, refusal)) if all => {
+                    let [hub_stamp, stamp] = [self.hub, u].map(|v| self.aux.stamp(v));
+                    work.witnesses[self.hub.index()] = Witness { hub_stamp, child: u, stamp, refusal };
+                    return Err(refusal);
+                }
+                Err(_) => _ = work.waiting.swap_remove(k),
+            }
+        }
+        Ok(())
+    }
+
+    /// Looks at what is around `u`.
+    fn child(&self, u: VertexId, work: &mut Work) -> Child {
+        let [side, link] = [work.sides.len(), work.links.len()].map(|n| n as u32);
+        let goes_around = self.aux.goes_around(u);
+        for (slot, i) in self.draft.complex.star(u) {
+            let cell = self.draft.complex.cell(slot);
+            let others = [cell[(i + 1) % 3], cell[(i + 2) % 3]];
+            work.sides.push(Side { slot, corner: i as u32, others });
+            if goes_around {
+                work.links.push(others[0]);
+            }
+        }
+        if !goes_around {
+            self.aux.link(&self.draft.complex, u, &mut work.around);
+            work.links.extend_from_slice(&work.around);
+        }
+        Child {
+            vertex: u,
+            cost: self.aux.cost(self.fan, work, self.draft, u, self.hub).value(self.at),
+            sides: [side, work.sides.len() as u32],
+            links: [link, work.links.len() as u32],
+            folds: [0, 0],
+        }
+    }
+
+    /// Lists the triangles at a child that would fold over unless one of their other corners has gone; refuses where
+    /// none of these ever will.
+    fn find_folds(&self, child: Child, work: &mut Work) -> Result<[u32; 2], (VertexId, Refusal)> {
+        let position = |v: VertexId| self.draft.positions[v.index()].as_dvec3();
+        let from = work.folds.len() as u32;
+        let old = position(child.vertex);
+        if old == self.at {
+            return Ok([from, from]);
+        }
+        for k in child.sides[0]..child.sides[1] {
+            let others = work.sides[k as usize].others;
+            if others.contains(&self.hub) {
+                continue;
+            }
+            let [a, b] = others.map(position);
+            if let Err(refusal) = legal::turn([old, a, b], [self.at, a, b], self.fan.fold_cosine) {
+                if !others.iter().any(|&w| work.is_around(w)) {
+                    return Err((child.vertex, refusal));
+                }
+                work.folds.push(others);
+            }
+        }
+        Ok([from, work.folds.len() as u32])
+    }
+
     fn make(&mut self, work: &mut Work, least: usize, most: usize) -> Result<(), Refusal> {
         while work.merged.len() < most {
             let mut refusal = Refusal::Boundary;
-            let legal = (0..work.waiting.len()).find(|&k| match self.may_merge(work.waiting[k].vertex, work) {
+            let legal = (0..work.waiting.len()).find(|&k| match self.may_merge(&work.waiting[k], work) {
                 Ok(()) => true,
                 Err(why) => {
                     refusal = why;
@@ -146,16 +295,16 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Whether the half-edge collapse of `u` into the hub is legal, as the mesh would be now.
-    fn may_merge(&self, u: VertexId, work: &mut Work) -> Result<(), Refusal> {
-        let mut around = std::mem::take(&mut work.around);
-        self.aux.link(&self.draft.complex, u, &mut around);
-        let left = around.iter().filter(|&&w| w != self.hub && !work.is_merged(w));
-        let (shared, all) = left.fold((0, 0), |(shared, all), &w| (shared + usize::from(work.is_around(w)), all + 1));
-        work.around = around;
+    /// Whether the half-edge collapse of a child into the hub is legal, as the mesh would be now.
+    fn may_merge(&self, child: &Child, work: &Work) -> Result<(), Refusal> {
+        let (mut shared, mut all) = (0, 0);
+        for &w in part(&work.links, child.links) {
+            shared += usize::from(work.is_around(w));
+            all += usize::from(w != self.hub && !work.is_merged(w));
+        }
         // Whoever may go from the boundary goes to the boundary.
-        let boundary = usize::from(self.aux.is_on_boundary(u));
-        // In a triangulated surface the neighbours of `u` around the hub are always shared.
+        let boundary = usize::from(self.aux.is_on_boundary(child.vertex));
+        // On a surface the vertices next to `u` around the hub are always shared.
         if shared + boundary != 2 {
             return Err(if boundary == 1 { Refusal::Pinch } else { Refusal::Link });
         }
@@ -163,36 +312,18 @@ impl Run<'_> {
         if all + boundary == 2 && self.ring_len == 3 {
             return Err(Refusal::Link);
         }
-        self.fold_over(u, work)
-    }
-
-    fn fold_over(&self, u: VertexId, work: &Work) -> Result<(), Refusal> {
-        if self.fan.fold_cosine <= -1.0 {
-            return Ok(());
+        let mut folds = part(&work.folds, child.folds).iter();
+        match folds.find(|others| !others.iter().any(|&w| work.is_merged(w))) {
+            Some(_) => Err(Refusal::FoldOver),
+            None => Ok(()),
         }
-        let position = |v: VertexId| self.draft.positions[v.index()].as_dvec3();
-        let old = position(u);
-        if old == self.at {
-            return Ok(());
-        }
-        for (slot, i) in self.draft.complex.star(u) {
-            let cell = self.draft.complex.cell(slot);
-            let [a, b] = [cell[(i + 1) % 3], cell[(i + 2) % 3]];
-            // What has a corner at the hub, or one that went there, dies.
-            if [a, b].iter().all(|&w| w != self.hub && !work.is_merged(w)) {
-                let [a, b] = [a, b].map(position);
-                legal::turn([old, a, b], [self.at, a, b], self.fan.fold_cosine)?;
-            }
-        }
-        Ok(())
     }
 
     fn merge(&mut self, k: usize, work: &mut Work) {
         let child = work.waiting.remove(k);
-        self.aux.link(&self.draft.complex, child.vertex, &mut work.around);
         work.marks[child.vertex.index()] = work.now + 1;
         self.ring_len -= 1;
-        for w in &work.around {
+        for w in part(&work.links, child.links) {
             let mark = &mut work.marks[w.index()];
             if *mark < work.now && *w != self.hub {
                 *mark = work.now;
@@ -246,11 +377,11 @@ fn fill(draft: &Draft<3>, hub: VertexId, work: &mut Work, plan: &mut Plan<3>) {
     work.dying.clear();
     for child in &work.merged {
         let u = child.vertex;
-        for (slot, i) in complex.star(u) {
-            let mut cell = *complex.cell(slot);
-            let others = [cell[(i + 1) % 3], cell[(i + 2) % 3]];
+        for k in child.sides[0]..child.sides[1] {
+            let Side { slot, corner, others } = work.sides[k as usize];
             if others.iter().all(|&w| w != hub && !work.is_merged(w)) {
-                cell[i] = hub;
+                let mut cell = *complex.cell(slot);
+                cell[corner as usize] = hub;
                 plan.kills.push(slot);
                 plan.makes.push(cell);
             } else if others.iter().all(|&w| w > u || !work.is_merged(w)) {
