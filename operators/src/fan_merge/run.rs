@@ -200,30 +200,45 @@ impl Run<'_> {
         work.sides.clear();
         work.links.clear();
         work.folds.clear();
+        if all {
+            self.put_witness_first(work);
+        }
         for k in 0..work.ring.len() {
             let u = work.ring[k];
-            if self.aux.may_go(self.fan, u, self.hub) {
-                let child = self.child(u, work);
-                work.waiting.push(child);
-            } else if all {
-                return Err(Refusal::Boundary);
+            if !self.aux.may_go(self.fan, u, self.hub) {
+                if all {
+                    return Err(Refusal::Boundary);
+                }
+                continue;
             }
-        }
-        if self.fan.fold_cosine <= -1.0 {
-            return Ok(());
-        }
-        for k in (0..work.waiting.len()).rev() {
-            match self.find_folds(work.waiting[k], work) {
-                Ok(folds) => work.waiting[k].folds = folds,
-                Err((u, refusal)) if all => {
+            let mut child = self.child(u, work);
+            match self.find_folds(&child, work) {
+                Ok(folds) => {
+                    child.folds = folds;
+                    work.waiting.push(child);
+                }
+                Err(refusal) if all => {
                     let [hub_stamp, stamp] = [self.hub, u].map(|v| self.aux.stamp(v));
                     work.witnesses[self.hub.index()] = Witness { hub_stamp, child: u, stamp, refusal };
                     return Err(refusal);
                 }
-                Err(_) => _ = work.waiting.swap_remove(k),
+                Err(_) => {}
             }
         }
+        let mut waiting = std::mem::take(&mut work.waiting);
+        for child in &mut waiting {
+            child.cost = self.aux.cost(self.fan, work, self.draft, child.vertex, self.hub).value(self.at);
+        }
+        work.waiting = waiting;
         Ok(())
+    }
+
+    /// Who stood in the way the last time is likely to do so again.
+    fn put_witness_first(&self, work: &mut Work) {
+        let witness = work.witnesses[self.hub.index()].child;
+        if let Some(k) = work.ring.iter().position(|&u| u == witness) {
+            work.ring.swap(0, k);
+        }
     }
 
     /// Looks at what is around `u`.
@@ -244,7 +259,7 @@ impl Run<'_> {
         }
         Child {
             vertex: u,
-            cost: self.aux.cost(self.fan, work, self.draft, u, self.hub).value(self.at),
+            cost: 0.0,
             sides: [side, work.sides.len() as u32],
             links: [link, work.links.len() as u32],
             folds: [0, 0],
@@ -253,11 +268,11 @@ impl Run<'_> {
 
     /// Lists the triangles at a child that would fold over unless one of their other corners has gone; refuses where
     /// none of these ever will.
-    fn find_folds(&self, child: Child, work: &mut Work) -> Result<[u32; 2], (VertexId, Refusal)> {
+    fn find_folds(&self, child: &Child, work: &mut Work) -> Result<[u32; 2], Refusal> {
         let position = |v: VertexId| self.draft.positions[v.index()].as_dvec3();
         let from = work.folds.len() as u32;
         let old = position(child.vertex);
-        if old == self.at {
+        if old == self.at || self.fan.fold_cosine <= -1.0 {
             return Ok([from, from]);
         }
         for k in child.sides[0]..child.sides[1] {
@@ -268,7 +283,7 @@ impl Run<'_> {
             let [a, b] = others.map(position);
             if let Err(refusal) = legal::turn([old, a, b], [self.at, a, b], self.fan.fold_cosine) {
                 if !others.iter().any(|&w| work.is_around(w)) {
-                    return Err((child.vertex, refusal));
+                    return Err(refusal);
                 }
                 work.folds.push(others);
             }
