@@ -9,6 +9,7 @@
 //! |---|---|
 //! | [`EdgeCollapse::FULL`] | an edge becomes a new vertex, where the metric likes it best |
 //! | [`EdgeCollapse::HALF`] | an edge becomes one of its ends; no vertex is made |
+//! | [`FanMerge::PARTIAL`] | all vertices around one, or as many as can go, are merged into it |
 //!
 //! | metric | what it measures |
 //! |---|---|
@@ -34,7 +35,9 @@
 //! ```
 
 pub mod edge_collapse;
+pub mod fan_merge;
 pub mod metric;
 pub mod order;
 
 pub use edge_collapse::EdgeCollapse;
+pub use fan_merge::FanMerge;

@@ -67,6 +67,12 @@ pub trait Operator<const N: usize> {
         None
     }
 
+    /// Whether a refused site is tried again once the others are done; another way to act need not be, where the first
+    /// leads to it anew.
+    fn waits(&self, _site: Self::Site) -> bool {
+        true
+    }
+
     /// Hears that `plan` was applied to `draft`, and adds the sites that are new or have a new price.
     fn applied(&self, draft: &Draft<N>, aux: &mut Self::Aux, plan: &Plan<N>, again: &mut Vec<Self::Site>);
 }

@@ -204,7 +204,7 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
             self.queue.push(price, other);
         }
         // What the boundary rule forbids it will forbid again.
-        if refusal != Refusal::Boundary {
+        if refusal != Refusal::Boundary && self.operator.waits(site) {
             self.parked.push(site);
         }
     }

@@ -109,7 +109,8 @@ pub(super) fn fold_over(draft: &Draft<3>, ends: [VertexId; 2], position: Vec3, c
     Ok(())
 }
 
-fn turn(before: [DVec3; 3], after: [DVec3; 3], cosine: f64) -> Result<(), Refusal> {
+/// Refuses when a triangle turns by more than the cosine allows, or loses its area.
+pub(crate) fn turn(before: [DVec3; 3], after: [DVec3; 3], cosine: f64) -> Result<(), Refusal> {
     let (old, new) = (area_vector(before), area_vector(after));
     if new == DVec3::ZERO {
         // A triangle that had no area cannot lose it.

@@ -4,20 +4,20 @@ use mt_core::analysis::Unfit;
 use mt_core::{Bits, Complex, Slot, VertexId};
 
 /// An edge of a manifold.
-pub(super) struct ManifoldEdge {
+pub(crate) struct ManifoldEdge {
     /// Its ends, ascending.
-    pub(super) ends: [VertexId; 2],
+    pub(crate) ends: [VertexId; 2],
     /// One of its triangles.
-    pub(super) slot: Slot,
+    pub(crate) slot: Slot,
     /// Whether it has no other.
-    pub(super) on_boundary: bool,
+    pub(crate) on_boundary: bool,
     /// Whether its triangles pass it in opposite directions; also true on the boundary.
-    pub(super) coherent: bool,
+    pub(crate) coherent: bool,
 }
 
 /// All edges by their lower ends, or what is in the way: edges with more than two triangles, vertices with more than one
 /// umbrella. O(triangles × degree).
-pub(super) fn check(complex: &Complex<3>) -> Result<Vec<ManifoldEdge>, Unfit> {
+pub(crate) fn check(complex: &Complex<3>) -> Result<Vec<ManifoldEdge>, Unfit> {
     let mut edges = Vec::with_capacity(3 * complex.cell_count() / 2 + 16);
     let (mut bad_edges, mut bad_vertices) = (Vec::new(), Vec::new());
     let (mut sides, mut walk) = (Vec::new(), Vec::new());

@@ -6,8 +6,8 @@
 //! position. Deviation from `[GarlandHeckbert1997]`: every collapse of a full edge makes a new vertex id, so an edge's
 //! price holds as long as the edge does and nothing in the queue needs a stamp, unless the metric sees neighbours.
 
-mod legal;
-mod manifold;
+pub(crate) mod legal;
+pub(crate) mod manifold;
 
 use crate::metric::{Boundary, BoundaryEdge, Merge, Metric, Offer, Place, Quadrics};
 use mt_core::analysis::{Draft, Operator, Unfit};

@@ -1,6 +1,6 @@
 //! The implicit rules of `[ElSanaVarshney1999]`: legality is read off the ids of the current neighbours.
 //!
-//! Deviation from `[ElSanaTutorial2002]`: its slide lets a pair merge when the parent's id is below the ids of the
+//! Deviation from `[DeFlorianiTutorial2002]`: its slide lets a pair merge when the parent's id is below the ids of the
 //! neighbours. Ids grow with the merges, so that forbids every merge in the state in which all were made. What is meant
 //! are the neighbours' parents: a merge is legal when every neighbour will be merged later than this pair.
 
