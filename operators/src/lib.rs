@@ -34,10 +34,12 @@
 //! # Ok::<(), mt_core::analysis::AnalysisError>(())
 //! ```
 
+mod catalogue;
 pub mod edge_collapse;
 pub mod fan_merge;
 pub mod metric;
 pub mod order;
 
+pub use catalogue::{AnyOperator, UnknownOperator};
 pub use edge_collapse::EdgeCollapse;
 pub use fan_merge::FanMerge;

@@ -1,7 +1,7 @@
 //! Schemes by name, for commands and studies.
 
 use super::{DualPieceFree, ImplicitIds, Stored, StoredIds};
-use mt_core::hierarchy::HierarchyError;
+use mt_core::hierarchy::{Dependency, HierarchyError};
 use mt_core::{Bound, Hierarchy, MultiTessellation, Replay};
 use std::sync::Arc;
 
@@ -75,6 +75,18 @@ impl Scheme {
             Scheme::FourFace => Some(Stored::four_face(replay)?),
             Scheme::DualPiece => Some(Stored::dual_piece(replay)?),
             Scheme::ImplicitIds | Scheme::ImplicitIdsStored | Scheme::DualPieceFree => None,
+        })
+    }
+
+    /// Derives the scheme for a replay and gives the bytes it stores, and the needs that the forest does not imply.
+    pub fn size(self, replay: &Replay) -> Result<(usize, usize), HierarchyError> {
+        if let Some(stored) = self.stored(replay)? {
+            return Ok((stored.bytes(), stored.needs_rows().entry_count()));
+        }
+        Ok(match self {
+            Scheme::ImplicitIdsStored => (StoredIds::new(replay).bytes(), 0),
+            Scheme::DualPieceFree => (DualPieceFree::new(replay)?.bytes(), 0),
+            _ => (ImplicitIds.bytes(), 0),
         })
     }
 

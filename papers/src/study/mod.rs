@@ -3,21 +3,33 @@
 //!
 //! Nothing here opens a file: results come back as data, text and PNG bytes.
 
-mod frames;
+mod build;
+mod choices;
+mod features;
+mod observe;
 mod path;
 mod pictures;
 mod quality;
 mod report;
 mod results;
+mod tables;
 
+pub use build::{Cache, NoCache};
+pub use choices::{CriterionKind, DependencyKind, StrategyKind, UnknownChoice};
 pub use path::camera_path;
 pub use pictures::{cell_errors, cell_levels};
 pub use report::page;
-pub use results::{Built, Observation, Picture, Quality, Results};
+pub use results::{Built, Degrees, Observation, Ordered, Picture, Quality, Results};
 
-use mt_core::analysis::{AnalysisError, Options, Stopped, simplify};
-use mt_core::{Explicit, Mesh, MultiTessellation, generate};
-use operators::EdgeCollapse;
+use build::Pair;
+use choices::Scene;
+use mt_core::analysis::AnalysisError;
+use mt_core::check::Breach;
+use mt_core::hierarchy::HierarchyError;
+use mt_core::{Mesh, generate};
+use observe::Observe;
+use operators::AnyOperator;
+use operators::order::Visit;
 use std::time::Instant;
 
 /// A mesh to study.
@@ -32,8 +44,14 @@ pub struct Subject {
 /// What to study.
 #[derive(Clone, Debug)]
 pub struct Config {
-    /// Operators by name, each built once.
-    pub operators: Vec<(&'static str, EdgeCollapse)>,
+    /// Operators; each sequence is built once.
+    pub operators: Vec<AnyOperator>,
+    /// What steps wait for.
+    pub dependencies: Vec<DependencyKind>,
+    /// What is asked for.
+    pub criteria: Vec<CriterionKind>,
+    /// In what sequence.
+    pub strategies: Vec<StrategyKind>,
     /// Frames of the camera path.
     pub frames: u32,
     /// Largest error on the screen, in pixels.
@@ -47,13 +65,21 @@ pub struct Config {
 impl Default for Config {
     fn default() -> Self {
         Self {
-            operators: vec![("edge-collapse", EdgeCollapse::FULL), ("half-edge-collapse", EdgeCollapse::HALF)],
+            operators: named(&["edge-collapse", "half-edge-collapse", "fan-merge"]),
+            dependencies: named(&["cells", "one-ring", "four-face", "dual-piece", "implicit-ids"]),
+            criteria: named(&["uniform", "region", "screen", "budget"]),
+            strategies: named(&["top-down", "priority", "incremental", "dual"]),
             frames: 90,
             error_px: 1.0,
             samples: 20_000,
             picture_px: Some((960, 720)),
         }
     }
+}
+
+/// Choices by names that are known to be good.
+fn named<T: std::str::FromStr>(names: &[&str]) -> Vec<T> {
+    names.iter().filter_map(|name| name.parse().ok()).collect()
 }
 
 /// The subjects of a study that names none: a fractal terrain and a genus-2 surface with detail, about 20,000 triangles
@@ -70,6 +96,12 @@ pub enum StudyError {
     /// An operator could not take a mesh.
     #[error("{0}: {1}")]
     Analysis(String, AnalysisError),
+    /// A sequence has no vertex hierarchy.
+    #[error("{0}: {1}")]
+    Hierarchy(String, HierarchyError),
+    /// A model breaks a law, which is a fault of the program.
+    #[error("{0}: {1}")]
+    Law(String, Breach),
     /// A picture could not be drawn.
     #[error("the picture {0} cannot be drawn: {1}")]
     Picture(String, render::RenderError),
@@ -82,27 +114,89 @@ pub enum StudyError {
 pub fn run(
     subjects: &[Subject],
     config: &Config,
+    cache: &mut dyn Cache,
     watch: &mut dyn FnMut(&str, f32) -> bool,
 ) -> Result<Results, StudyError> {
     let mut results = Results { frames: config.frames, error_px: config.error_px, ..Results::default() };
-    let mut steps = Steps { watch, done: 0, all: subjects.len() * config.operators.len() * 3 };
+    let rounds = config.dependencies.len() + 2;
+    let mut steps = Steps { watch, done: 0, all: subjects.len() * config.operators.len() * rounds };
     for subject in subjects {
-        for (i, (operator, collapse)) in config.operators.iter().enumerate() {
-            steps.next(subject, operator, "building")?;
-            let model = build(subject, operator, collapse, &mut results, &mut steps)?;
-            steps.next(subject, operator, "extracting")?;
-            frames::observe(subject, operator, &model, config, &mut results, &mut steps)?;
-            steps.next(subject, operator, "measuring")?;
-            quality::measure(subject, operator, &model, config, &mut results);
+        let scene = Scene::new(subject, config);
+        for (i, operator) in config.operators.iter().enumerate() {
+            let name = operator.name();
+            steps.next(subject, &name, "building")?;
+            let pair = build::build(subject, operator, cache, &mut results, &mut steps)?;
+            for &dependency in &config.dependencies {
+                steps.next(subject, &name, dependency.name())?;
+                let work = Work { subject, operator: &name, scene: &scene, config };
+                work.observe(&pair, dependency, &mut results, &mut steps)?;
+            }
+            steps.next(subject, &name, "measuring")?;
+            quality::measure(subject, &name, &pair.explicit, config, &mut results);
             if let Some(size) = config.picture_px.filter(|_| i == 0) {
                 // A picture that cannot be drawn is no reason to lose the numbers.
-                if let Err(error) = pictures::draw(subject, &model, config, size, &mut results) {
+                if let Err(error) = pictures::draw(subject, &pair.explicit, config, size, &mut results) {
                     results.notes.push(error.to_string());
                 }
             }
         }
     }
     Ok(results)
+}
+
+/// A subject and an operator under study.
+struct Work<'a> {
+    subject: &'a Subject,
+    operator: &'a str,
+    scene: &'a Scene<'a>,
+    config: &'a Config,
+}
+
+impl Work<'_> {
+    /// Observes one dependency. A scheme that does not take the sequence is noted, and the study goes on.
+    fn observe(
+        &self,
+        pair: &Pair,
+        dependency: DependencyKind,
+        results: &mut Results,
+        steps: &mut Steps<'_>,
+    ) -> Result<(), StudyError> {
+        let vertices = self.subject.mesh.vertex_count().max(1) as f64;
+        let begun = Instant::now();
+        // Deriving an order is timed by itself; the visit below derives it again.
+        let size = match dependency {
+            DependencyKind::Cells => Ok((pair.explicit.bytes(), 0)),
+            DependencyKind::Scheme(scheme) => {
+                scheme.size(&pair.replay).map(|(bytes, needs)| (pair.replay.bytes() + bytes, needs))
+            }
+        };
+        let seconds = begun.elapsed().as_secs_f64();
+        let (bytes, needs) = match size {
+            Ok(size) => size,
+            Err(error) => {
+                results.notes.push(format!("{}, {}: {error}", self.subject.name, self.operator));
+                return Ok(());
+            }
+        };
+        let observe = Observe {
+            subject: self.subject,
+            operator: self.operator,
+            dependency,
+            scene: self.scene,
+            has_runs: !pair.replay.is_single(),
+            size: (bytes as f64 / vertices, needs),
+            seconds,
+            config: self.config,
+            results,
+            steps,
+        };
+        match dependency {
+            DependencyKind::Cells => observe.visit(&pair.explicit),
+            DependencyKind::Scheme(scheme) => scheme
+                .visit(&pair.replay, observe)
+                .map_err(|error| StudyError::Hierarchy(self.subject.name.clone(), error))?,
+        }
+    }
 }
 
 /// How far a study is, and whom to tell.
@@ -124,35 +218,4 @@ impl Steps<'_> {
         let share = (self.done.max(1) - 1) as f32 / self.all as f32;
         if (self.watch)(what, share) { Ok(()) } else { Err(StudyError::Cancelled) }
     }
-}
-
-fn build(
-    subject: &Subject,
-    operator: &str,
-    collapse: &EdgeCollapse,
-    results: &mut Results,
-    steps: &mut Steps<'_>,
-) -> Result<Explicit<3>, StudyError> {
-    let begun = Instant::now();
-    let analysis = simplify(&subject.mesh, collapse, &Options::default(), &mut |_| steps.go_on(&subject.name).is_ok())
-        .map_err(|error| StudyError::Analysis(subject.name.clone(), error))?;
-    let seconds = begun.elapsed().as_secs_f64();
-    if analysis.stopped == Stopped::Cancelled {
-        return Err(StudyError::Cancelled);
-    }
-    let model = analysis.model;
-    results.built.push(Built {
-        model: subject.name.clone(),
-        operator: operator.to_owned(),
-        vertices_in: subject.mesh.vertex_count(),
-        triangles_in: subject.mesh.cell_count(),
-        triangles_base: model.base_cells().len(),
-        modifications: model.len(),
-        arcs: model.order().arc_count(),
-        depth: model.order().depth(),
-        bytes_per_vertex: model.bytes() as f64 / subject.mesh.vertex_count().max(1) as f64,
-        refusals: analysis.refusals.iter().map(|(reason, count)| (reason.name().to_owned(), count)).collect(),
-        seconds,
-    });
-    Ok(model)
 }

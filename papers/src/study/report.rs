@@ -1,6 +1,7 @@
 //! The report: one page with tables, plots and pictures, for somebody who was not there.
 
-use super::results::{Built, Observation, Results};
+use super::results::{Built, Observation, Ordered, Results};
+use super::tables;
 use crate::html::{Align, Page, Table};
 use crate::plot::{Axis, Lines, Series};
 use std::collections::BTreeMap;
@@ -9,21 +10,33 @@ use std::collections::BTreeMap;
 pub fn page(results: &Results) -> String {
     let mut page = Page::new("Study of Multi-Tessellations");
     page.paragraph(&format!("Made by mtess {}.", env!("CARGO_PKG_VERSION")));
-    page.paragraph(&format!(
-        "Each model was coarsened to the end by each operator and every step was kept. A camera then went once around it \
-         in {} frames, from afar to close by and back, and each criterion was answered by each strategy: from the base \
-         mesh (top-down, priority) or from the mesh of the last frame (incremental). All numbers are in results.csv, one \
-         observation a row. Times are wall seconds of one run on one machine; compare them within this page.",
-        results.frames
-    ));
-    page.list([
-        "uniform: the same error everywhere, from 2 % of the diagonal down to 0.01 % along the path".to_owned(),
-        "region: 0.02 % of the diagonal within a box that travels through the model, anything outside".to_owned(),
-        format!("screen: {} px of error on the screen, coarse outside the frustum", results.error_px),
-        "budget: the least error on the screen that a tenth of the input's triangles allow".to_owned(),
-    ]);
+    introduction(&mut page, results);
+    for model in names(results) {
+        let pictures = results.pictures.iter().filter(|p| p.name.starts_with(&format!("{model}-")));
+        page.gallery_png(pictures.map(|p| (p.png.as_slice(), p.caption.as_str())));
+    }
     page.heading(2, "Models");
+    page.paragraph(
+        "One analysis for each model and operator. Bytes are those of the vertex hierarchy alone, without the input mesh \
+         and without dependencies; and of the explicit model with all its cells and arcs. \"Stall\" is the share of the \
+         vertices that were left when the first fan came that could not be merged whole.",
+    );
     page.table(&built_table(&results.built));
+    for model in names(results) {
+        page.figure_svg(
+            &degree_plot(results, model).svg(),
+            &format!("{model}: the most triangles at a vertex, by size."),
+        );
+    }
+    page.heading(2, "Dependencies");
+    page.paragraph(
+        "What steps wait for, on the same sequence. \"Beyond the forest\" are needs that the parents do not imply, which is \
+         all that is stored; for dual-piece these are the nodes whose cut vertices could coincide. A step's time is that of \
+         refining everything and coarsening it again, with every check.",
+    );
+    page.table(&ordered_table(&results.ordered));
+    schemes(&mut page, results);
+    strategies(&mut page, results);
     page.heading(2, "Error by size");
     page.paragraph(
         "Sampled distance between the extracted mesh and the input, both ways, the larger; relative to the diagonal of \
@@ -33,22 +46,6 @@ pub fn page(results: &Results) -> String {
     page.table(&quality_table(results));
     for model in names(results) {
         page.figure_svg(&quality_plot(results, model).svg(), &format!("{model}: root mean square distance by size."));
-    }
-    page.heading(2, "Along the path");
-    page.paragraph(
-        "Means over the frames, under the explicit order. \"Forced\" are modifications that the criterion did not ask for, but that others need. \
-         Minimality makes the sizes of all strategies equal where no budget is set; what differs is the work.",
-    );
-    page.table(&frames_table(&results.observations));
-    for model in names(results) {
-        page.heading(3, model);
-        page.figure_svg(&triangles_plot(results, model).svg(), "Triangles of each frame, by criterion (incremental).");
-        page.figure_svg(
-            &time_plot(results, model).svg(),
-            "Milliseconds of each frame for the screen criterion, by strategy.",
-        );
-        let pictures = results.pictures.iter().filter(|p| p.name.starts_with(&format!("{model}-")));
-        page.gallery_png(pictures.map(|p| (p.png.as_slice(), p.caption.as_str())));
     }
     if !results.notes.is_empty() {
         page.heading(2, "What could not be done");
@@ -60,13 +57,91 @@ pub fn page(results: &Results) -> String {
     page.finish()
 }
 
+fn introduction(page: &mut Page, results: &Results) {
+    page.paragraph(&format!(
+        "Each model was coarsened to the end by each operator and every step was kept. A camera then went once around it \
+         in {} frames, from afar to close by and back, and each criterion was answered by each strategy under each \
+         dependency. All numbers are in results.csv, one observation a row. Times are wall seconds of one run on one \
+         machine; compare them within this page.",
+        results.frames
+    ));
+    let asked: BTreeMap<&str, String> =
+        results.observations.iter().map(|o| (o.criterion, tables::meaning(o.criterion, results.error_px))).collect();
+    page.list(asked.iter().map(|(name, meaning)| format!("{name}: {meaning}")));
+}
+
+/// The schemes on the same frames: the heart of the page.
+fn schemes(page: &mut Page, results: &Results) {
+    page.heading(2, "Schemes compared");
+    page.paragraph(
+        "Means over the same frames, incrementally. \"Forced\" are modifications that the criterion did not ask for, but that \
+         others need; a chain is what refining one node took, and 95 of 100 are no longer than \"p95\" in the mean frame. \
+         \"Ratio\" compares vertices with those of dual-piece where that was run, else with the fewest. \"Folds\" are inner \
+         edges whose triangles nearly face each other.",
+    );
+    let groups = tables::groups(&results.observations, |o| o.strategy == "incremental");
+    page.table(&tables::schemes(&groups));
+    for model in names(results) {
+        page.heading(3, model);
+        for criterion in ["region", "screen"] {
+            let chosen = |o: &&Observation| {
+                o.model == model
+                    && o.strategy == "incremental"
+                    && o.criterion == criterion
+                    && o.operator == first_operator(results)
+            };
+            let plot = per_frame(
+                results,
+                chosen,
+                |o| o.dependency.to_owned(),
+                |o| o.vertices as f64,
+                Axis::logarithmic("vertices"),
+            );
+            if !plot.series.is_empty() {
+                page.figure_svg(
+                    &plot.svg(),
+                    &format!("Vertices of each frame, {criterion}, by dependency ({}).", first_operator(results)),
+                );
+            }
+        }
+        page.figure_svg(
+            &time_plot(results, model).svg(),
+            "Milliseconds of each frame for the screen criterion, by strategy.",
+        );
+    }
+}
+
+/// The strategies under the first dependency, and fans against edge collapses.
+fn strategies(page: &mut Page, results: &Results) {
+    page.heading(2, "Strategies compared");
+    page.paragraph(
+        "The same criterion answered from the base mesh (top-down, priority) or from the mesh of the last frame. Minimality \
+         makes the sizes of all strategies equal where no budget is set and nothing is remembered; what differs is the work.",
+    );
+    // The last static one is the smallest; the choice says nothing of the strategies.
+    let dependency = results.ordered.iter().rev().find(|o| o.is_static).map_or("", |o| o.dependency);
+    page.table(&tables::strategies(&tables::groups(&results.observations, |o| o.dependency == dependency)));
+    if let Some(table) = tables::fans(results) {
+        page.heading(2, "Fans against edge collapses");
+        page.paragraph(
+            "The comparison of Livny, Sokolovsky and El-Sana (2006), Tables 1 to 3, for the same model and path: a fan step \
+             counts as one operation. Triangles touched say what an operation is worth.",
+        );
+        page.table(&table);
+    }
+}
+
+fn first_operator(results: &Results) -> &str {
+    results.built.first().map_or("", |b| &b.operator)
+}
+
 fn names(results: &Results) -> Vec<&str> {
     let mut names: Vec<&str> = results.built.iter().map(|b| b.model.as_str()).collect();
     names.dedup();
     names
 }
 
-fn columns(titles: &[&str], texts: usize) -> Vec<(String, Align)> {
+pub(super) fn columns(titles: &[&str], texts: usize) -> Vec<(String, Align)> {
     let align = |i| if i < texts { Align::Text } else { Align::Number };
     titles.iter().enumerate().map(|(i, title)| ((*title).to_owned(), align(i))).collect()
 }
@@ -79,11 +154,15 @@ fn built_table(built: &[Built]) -> Table {
         "vertices",
         "triangles",
         "base",
-        "modifications",
-        "arcs each",
-        "depth",
+        "merges",
+        "nodes",
+        "branching",
+        "virtual edges",
+        "stall",
         "bytes a vertex",
-        "seconds",
+        "explicit bytes",
+        "analysis s",
+        "replay s",
     ];
     let row = |b: &Built| {
         let refusals: Vec<_> = b.refusals.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
@@ -94,14 +173,61 @@ fn built_table(built: &[Built]) -> Table {
             b.vertices_in.to_string(),
             b.triangles_in.to_string(),
             b.triangles_base.to_string(),
+            b.merges.to_string(),
             b.modifications.to_string(),
-            format!("{:.2}", b.arcs as f64 / f64::from(b.modifications.max(1))),
-            b.depth.to_string(),
-            format!("{:.0}", b.bytes_per_vertex),
+            format!("{:.2}", 1.0 + f64::from(b.modifications) / f64::from(b.merges.max(1))),
+            b.virtual_edges.to_string(),
+            b.stall.map_or("-".into(), |share| format!("{:.1} %", share * 100.0)),
+            format!("{:.1}", b.bytes_per_vertex),
+            format!("{:.0}", b.explicit_bytes_per_vertex),
             format!("{:.3}", b.seconds),
+            format!("{:.3}", b.seconds_replay),
         ]
     };
     Table { caption: String::new(), columns: columns(&titles, 3), rows: built.iter().map(row).collect() }
+}
+
+fn ordered_table(ordered: &[Ordered]) -> Table {
+    let titles = [
+        "model",
+        "operator",
+        "dependency",
+        "kind",
+        "arcs",
+        "beyond the forest",
+        "depth",
+        "bytes a vertex",
+        "derived in s",
+        "ns a step",
+    ];
+    let row = |o: &Ordered| {
+        vec![
+            o.model.clone(),
+            o.operator.clone(),
+            o.dependency.to_owned(),
+            if o.is_static { "static" } else { "dynamic" }.to_owned(),
+            o.arcs.to_string(),
+            o.beyond_forest.to_string(),
+            o.depth.to_string(),
+            format!("{:.1}", o.bytes_per_vertex),
+            format!("{:.3}", o.seconds),
+            format!("{:.0}", o.nanoseconds_a_step),
+        ]
+    };
+    Table { caption: String::new(), columns: columns(&titles, 4), rows: ordered.iter().map(row).collect() }
+}
+
+fn degree_plot(results: &Results, model: &str) -> Lines {
+    let mut series: BTreeMap<&str, Vec<[f64; 2]>> = BTreeMap::new();
+    for d in results.degrees.iter().filter(|d| d.model == model) {
+        series.entry(&d.operator).or_default().push([d.share * 100.0, d.maximum as f64]);
+    }
+    Lines {
+        title: String::new(),
+        x: Axis::logarithmic("vertices left, %"),
+        y: Axis::logarithmic("most triangles at a vertex"),
+        series: series.into_iter().map(|(name, points)| Series { name: name.to_owned(), points }).collect(),
+    }
 }
 
 fn quality_table(results: &Results) -> Table {
@@ -120,33 +246,6 @@ fn quality_table(results: &Results) -> Table {
     Table { caption: String::new(), columns: columns(&titles, 2), rows: results.qualities.iter().map(row).collect() }
 }
 
-fn frames_table(observations: &[Observation]) -> Table {
-    let titles =
-        ["model", "operator", "criterion", "strategy", "triangles", "vertices", "refined", "coarsened", "forced", "ms"];
-    type Key<'a> = (&'a str, &'a str, &'a str, &'a str, &'a str);
-    // Observations of one combination follow each other.
-    let mut groups: Vec<(Key<'_>, Vec<&Observation>)> = Vec::new();
-    for o in observations {
-        let key: Key<'_> = (&o.model, &o.operator, o.dependency, o.criterion, o.strategy);
-        match groups.last_mut().filter(|(last, _)| *last == key) {
-            Some((_, group)) => group.push(o),
-            None => groups.push((key, vec![o])),
-        }
-    }
-    let row = |((model, operator, _, criterion, strategy), group): (Key<'_>, Vec<&Observation>)| {
-        let mean = |value: fn(&Observation) -> f64| group.iter().map(|o| value(o)).sum::<f64>() / group.len() as f64;
-        let mut row: Vec<String> = [model, operator, criterion, strategy].map(str::to_owned).to_vec();
-        row.push(format!("{:.0}", mean(|o| f64::from(o.triangles))));
-        row.push(format!("{:.0}", mean(|o| o.vertices as f64)));
-        row.push(format!("{:.0}", mean(|o| f64::from(o.refined))));
-        row.push(format!("{:.0}", mean(|o| f64::from(o.coarsened))));
-        row.push(format!("{:.0}", mean(|o| f64::from(o.forced))));
-        row.push(format!("{:.2}", mean(|o| o.seconds * 1e3)));
-        row
-    };
-    Table { caption: String::new(), columns: columns(&titles, 4), rows: groups.into_iter().map(row).collect() }
-}
-
 fn quality_plot(results: &Results, model: &str) -> Lines {
     let mut series: BTreeMap<&str, Vec<[f64; 2]>> = BTreeMap::new();
     for q in results.qualities.iter().filter(|q| q.model == model) {
@@ -160,19 +259,9 @@ fn quality_plot(results: &Results, model: &str) -> Lines {
     }
 }
 
-fn triangles_plot(results: &Results, model: &str) -> Lines {
-    let chosen = |o: &&Observation| o.model == model && o.strategy == "incremental";
-    per_frame(
-        results,
-        chosen,
-        |o| format!("{}, {}", o.criterion, o.operator),
-        |o| f64::from(o.triangles),
-        Axis::logarithmic("triangles"),
-    )
-}
-
 fn time_plot(results: &Results, model: &str) -> Lines {
-    let chosen = |o: &&Observation| o.model == model && o.criterion == "screen";
+    let dependency = results.ordered.iter().rev().find(|o| o.is_static).map_or("", |o| o.dependency);
+    let chosen = |o: &&Observation| o.model == model && o.criterion == "screen" && o.dependency == dependency;
     per_frame(results, chosen, |o| format!("{}, {}", o.strategy, o.operator), |o| o.seconds * 1e3, Axis::linear("ms"))
 }
 

@@ -13,7 +13,11 @@ pub struct Results {
     pub error_px: f32,
     /// One row for each model and operator.
     pub built: Vec<Built>,
-    /// One row for each model, operator, criterion, strategy and frame.
+    /// One row for each model, operator and size.
+    pub degrees: Vec<Degrees>,
+    /// One row for each model, operator and dependency.
+    pub ordered: Vec<Ordered>,
+    /// One row for each model, operator, dependency, criterion, strategy and frame.
     pub observations: Vec<Observation>,
     /// One row for each model, operator and size.
     pub qualities: Vec<Quality>,
@@ -36,18 +40,66 @@ pub struct Built {
     pub triangles_in: usize,
     /// Triangles of the base mesh.
     pub triangles_base: usize,
-    /// Modifications.
+    /// Merges: edge collapses, or fans.
+    pub merges: u32,
+    /// Nodes of the hierarchy: vertices that were merged into others.
     pub modifications: u32,
-    /// Arcs of the order.
-    pub arcs: usize,
-    /// Longest chain of needs.
-    pub depth: u32,
-    /// Bytes in memory for each vertex of the input.
+    /// Virtual edges of the input.
+    pub virtual_edges: usize,
+    /// Bytes of the vertex hierarchy without dependencies, for each vertex of the input.
     pub bytes_per_vertex: f64,
+    /// Bytes of the explicit model, cells and arcs, for each vertex of the input.
+    pub explicit_bytes_per_vertex: f64,
     /// Refused plans by reason.
     pub refusals: BTreeMap<String, u64>,
-    /// Wall seconds of analysis.
+    /// For fans: the share of vertices left at the first merge that did not take a whole link.
+    pub stall: Option<f64>,
+    /// Wall seconds of analysis, heard by the recorder and the sequence.
     pub seconds: f64,
+    /// Wall seconds of deriving the hierarchy from the sequence.
+    pub seconds_replay: f64,
+    /// Whether it was built by an earlier run; then the seconds are that run's.
+    pub from_cache: bool,
+}
+
+/// The triangles at a vertex, at some size.
+#[derive(Clone, Debug, Serialize)]
+pub struct Degrees {
+    /// The subject.
+    pub model: String,
+    /// What coarsened it.
+    pub operator: String,
+    /// Share of the vertices that are left.
+    pub share: f64,
+    /// The most triangles at a vertex.
+    pub maximum: usize,
+    /// The mean.
+    pub mean: f64,
+}
+
+/// A dependency on a built model.
+#[derive(Clone, Debug, Serialize)]
+pub struct Ordered {
+    /// The subject.
+    pub model: String,
+    /// What coarsened it.
+    pub operator: String,
+    /// What steps wait for.
+    pub dependency: &'static str,
+    /// Whether it is a static order; otherwise what it always asks for is counted here.
+    pub is_static: bool,
+    /// Needs in all.
+    pub arcs: usize,
+    /// Needs that are stored because the forest does not imply them.
+    pub beyond_forest: usize,
+    /// Longest chain of needs.
+    pub depth: u32,
+    /// Bytes for each vertex of the input, hierarchy and dependency.
+    pub bytes_per_vertex: f64,
+    /// Wall seconds of deriving it.
+    pub seconds: f64,
+    /// Wall nanoseconds of a step, checks included, refining everything and coarsening it again.
+    pub nanoseconds_a_step: f64,
 }
 
 /// One frame.
@@ -57,7 +109,7 @@ pub struct Observation {
     pub model: String,
     /// What coarsened it.
     pub operator: String,
-    /// Which order was kept.
+    /// What steps waited for.
     pub dependency: &'static str,
     /// What was asked for.
     pub criterion: &'static str,
@@ -75,6 +127,20 @@ pub struct Observation {
     pub coarsened: u32,
     /// Of those that refined, the forced ones.
     pub forced: u32,
+    /// Of the chains that forcing took, the 95th percentile in steps.
+    pub chain_p95: u32,
+    /// The longest of them.
+    pub chain_max: u32,
+    /// Runs of nodes that changed as one.
+    pub fan_steps: u32,
+    /// Steps by themselves.
+    pub edge_steps: u32,
+    /// Nodes refined now and not in the last frame, or the reverse.
+    pub changed: u32,
+    /// Triangles that the steps made, killed or relabelled.
+    pub touched: u32,
+    /// Inner edges whose triangles nearly face each other, in every tenth frame of the incremental strategy.
+    pub folds: Option<u32>,
     /// Wall seconds of the extraction alone.
     pub seconds: f64,
 }
@@ -115,24 +181,25 @@ pub struct Picture {
 impl Results {
     /// The observations as CSV, one a row, with a header.
     pub fn csv(&self) -> String {
-        let mut csv =
-            "model,operator,dependency,criterion,strategy,frame,vertices,triangles,refined,coarsened,forced,seconds\n"
-                .to_owned();
+        let mut csv = "model,operator,dependency,criterion,strategy,frame,vertices,triangles,refined,coarsened,forced,\
+                       chain_p95,chain_max,fan_steps,edge_steps,changed,touched,folds,seconds\n"
+            .to_owned();
         for o in &self.observations {
+            let names = [quoted(&o.model), quoted(&o.operator)].join(",");
+            let counts = [o.refined, o.coarsened, o.forced, o.chain_p95, o.chain_max, o.fan_steps, o.edge_steps];
+            let counts = counts.map(|count| count.to_string()).join(",");
+            let folds = o.folds.map(|folds| folds.to_string()).unwrap_or_default();
             _ = writeln!(
                 csv,
-                "{},{},{},{},{},{},{},{},{},{},{},{:.9}",
-                quoted(&o.model),
-                quoted(&o.operator),
+                "{names},{},{},{},{},{},{},{counts},{},{},{folds},{:.9}",
                 o.dependency,
                 o.criterion,
                 o.strategy,
                 o.frame,
                 o.vertices,
                 o.triangles,
-                o.refined,
-                o.coarsened,
-                o.forced,
+                o.changed,
+                o.touched,
                 o.seconds
             );
         }

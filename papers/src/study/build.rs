@@ -1,0 +1,216 @@
+//! Building: each sequence once, by one analysis that is heard by the recorder and the sequence at the same time; kept
+//! between runs by a cache that the caller provides.
+
+use super::{Built, Degrees, Results, Steps, StudyError, Subject};
+use mt_core::analysis::{Options, Stopped};
+use mt_core::container::{self, Meta};
+use mt_core::hierarchy::HierarchyError;
+use mt_core::{Explicit, Front, NodeId, Recorder, Replay, Sequence, View};
+use operators::AnyOperator;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Where built models are kept between runs. What comes back is checked, and built anew when it is damaged.
+pub trait Cache {
+    /// The bytes that were kept under this key.
+    fn load(&mut self, key: &str) -> Option<Vec<u8>>;
+    /// Keeps bytes; a failure is no reason to stop.
+    fn store(&mut self, key: &str, bytes: &[u8]);
+}
+
+/// Keeps nothing.
+pub struct NoCache;
+
+impl Cache for NoCache {
+    fn load(&mut self, _: &str) -> Option<Vec<u8>> {
+        None
+    }
+    fn store(&mut self, _: &str, _: &[u8]) {}
+}
+
+/// A sequence in both forms.
+pub(super) struct Pair {
+    pub(super) explicit: Explicit<3>,
+    pub(super) replay: Arc<Replay>,
+}
+
+/// What is kept beside the arrays.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    refusals: Vec<(String, u64)>,
+    seconds: f64,
+    container_len: usize,
+}
+
+/// A key that changes with the input, the operator with all its options, and the version of the software.
+fn key(subject: &Subject, operator: &AnyOperator) -> String {
+    let mut bytes = Vec::with_capacity(12 * (subject.mesh.positions.len() + subject.mesh.cells.len()));
+    for p in &subject.mesh.positions {
+        p.to_array().iter().for_each(|x| bytes.extend_from_slice(&x.to_bits().to_le_bytes()));
+    }
+    for v in subject.mesh.cells.iter().flatten() {
+        bytes.extend_from_slice(&v.0.to_le_bytes());
+    }
+    let counts = [subject.mesh.positions.len(), subject.mesh.cells.len()];
+    let what = format!("{} {operator:?} {counts:?}", env!("CARGO_PKG_VERSION"));
+    // Two sums over the mesh in two orders, so that one of 32 bits does not decide alone.
+    let (one, two) = (crc32fast::hash(&bytes), {
+        bytes.reverse();
+        crc32fast::hash(&bytes)
+    });
+    format!("{}-{one:08x}{two:08x}{:08x}", operator.name().replace('/', "-"), crc32fast::hash(what.as_bytes()))
+}
+
+/// Builds, or takes from the cache, and notes what came out.
+pub(super) fn build(
+    subject: &Subject,
+    operator: &AnyOperator,
+    cache: &mut dyn Cache,
+    results: &mut Results,
+    steps: &mut Steps<'_>,
+) -> Result<Pair, StudyError> {
+    let key = key(subject, operator);
+    let kept = cache.load(&key).and_then(|bytes| unpack(&bytes, subject, operator));
+    let is_new = kept.is_none();
+    let (explicit, sequence, note) = match kept {
+        Some(kept) => kept,
+        None => analyse(subject, operator, steps)?,
+    };
+    let begun = Instant::now();
+    let pairs = operator.pairs(&subject.mesh);
+    let replay = Replay::new(&subject.mesh, &pairs, &sequence)
+        .map_err(|error| StudyError::Hierarchy(subject.name.clone(), HierarchyError::from(error)))?;
+    let seconds_replay = begun.elapsed().as_secs_f64();
+    if is_new && let Some(bytes) = pack(&explicit, &sequence, &note) {
+        cache.store(&key, &bytes);
+    }
+    let vertices = subject.mesh.vertex_count().max(1) as f64;
+    results.built.push(Built {
+        model: subject.name.clone(),
+        operator: operator.name(),
+        vertices_in: subject.mesh.vertex_count(),
+        triangles_in: subject.mesh.cell_count(),
+        triangles_base: explicit.base_cells().len(),
+        merges: replay.merge_count(),
+        modifications: replay.len(),
+        virtual_edges: pairs.len(),
+        bytes_per_vertex: replay.bytes() as f64 / vertices,
+        explicit_bytes_per_vertex: explicit.bytes() as f64 / vertices,
+        refusals: note.refusals.into_iter().collect(),
+        stall: stall(&replay),
+        seconds: note.seconds,
+        seconds_replay,
+        from_cache: !is_new,
+    });
+    degrees(subject, operator, &replay, results);
+    Ok(Pair { explicit, replay: Arc::new(replay) })
+}
+
+fn analyse(
+    subject: &Subject,
+    operator: &AnyOperator,
+    steps: &mut Steps<'_>,
+) -> Result<(Explicit<3>, Sequence, Kept), StudyError> {
+    let failed = |error| StudyError::Analysis(subject.name.clone(), error);
+    let recorder = Recorder::new(&subject.mesh).map_err(|error| failed(error.into()))?;
+    let mut listener = (recorder, Sequence::new(&subject.mesh));
+    let begun = Instant::now();
+    let ended = operator
+        .analyse(&subject.mesh, &Options::default(), &mut listener, &mut |_| steps.go_on(&subject.name).is_ok())
+        .map_err(failed)?;
+    let seconds = begun.elapsed().as_secs_f64();
+    if ended.stopped == Stopped::Cancelled {
+        return Err(StudyError::Cancelled);
+    }
+    let refusals = ended.refusals.iter().map(|(reason, count)| (reason.name().to_owned(), count)).collect();
+    let explicit = listener.0.finish(Default::default()).map_err(|error| failed(error.into()))?;
+    Ok((explicit, listener.1, Kept { refusals, seconds, container_len: 0 }))
+}
+
+/// The note, the explicit model and the sequence, one after the other.
+fn pack(explicit: &Explicit<3>, sequence: &Sequence, note: &Kept) -> Option<Vec<u8>> {
+    let mut model = Vec::new();
+    container::write(explicit, &Meta::default(), &mut model).ok()?;
+    let note = Kept { refusals: note.refusals.clone(), seconds: note.seconds, container_len: model.len() };
+    let mut bytes = serde_json::to_vec(&note).ok()?;
+    bytes.push(b'\n');
+    bytes.append(&mut model);
+    bytes.extend(sequence.to_bytes());
+    Some(bytes)
+}
+
+/// What was packed, if it is sound and of this mesh.
+fn unpack(bytes: &[u8], subject: &Subject, operator: &AnyOperator) -> Option<(Explicit<3>, Sequence, Kept)> {
+    let end = bytes.iter().position(|&byte| byte == b'\n')?;
+    let note: Kept = serde_json::from_slice(&bytes[..end]).ok()?;
+    let rest = &bytes[end + 1..];
+    let (model, sequence) = rest.split_at_checked(note.container_len)?;
+    let (explicit, _) = container::read::<3>(model).ok()?;
+    let sequence = Sequence::from_bytes(sequence).ok()?;
+    let sound = explicit.reference() == subject.mesh
+        && Replay::new(&subject.mesh, &operator.pairs(&subject.mesh), &sequence).is_ok();
+    sound.then_some((explicit, sequence, note))
+}
+
+/// For fans: the share of vertices that were left when the first merge came that did not take the whole link of its
+/// centre. `None` where every merge is of one child.
+fn stall(replay: &Replay) -> Option<f64> {
+    if replay.is_single() {
+        return None;
+    }
+    let leaves = f64::from(replay.leaf_count().max(1));
+    let mut stalled = None;
+    walk(replay, |merge, view| {
+        if stalled.is_none() {
+            let run = replay.run_of(merge);
+            let mut ring: Vec<_> = view.mesh.ring(replay.merge(merge).center).collect();
+            ring.sort_unstable();
+            ring.dedup();
+            let children = (run.end().0 - run.start().0 + 1) as usize;
+            if children < ring.len() {
+                stalled = Some(f64::from(view.mesh.active.count()) / leaves);
+            }
+        }
+    });
+    stalled
+}
+
+/// Shares of the vertices at which degrees are counted.
+const SHARES: [f64; 7] = [1.0, 0.5, 0.25, 0.1, 0.05, 0.02, 0.01];
+
+/// The largest and the mean number of triangles at a vertex along the simplification.
+fn degrees(subject: &Subject, operator: &AnyOperator, replay: &Replay, results: &mut Results) {
+    let leaves = f64::from(replay.leaf_count().max(1));
+    let mut wanted = SHARES.iter().peekable();
+    walk(replay, |_, view| {
+        while let Some(&&share) = wanted.peek()
+            && f64::from(view.mesh.active.count()) <= share * leaves
+        {
+            wanted.next();
+            let degree = |v: u32| view.mesh.faces.star(mt_core::VertexId(v)).count();
+            let all = view.mesh.active.iter().map(degree);
+            let (most, sum) = all.fold((0, 0), |(most, sum), degree| (degree.max(most), sum + degree));
+            results.degrees.push(Degrees {
+                model: subject.name.clone(),
+                operator: operator.name(),
+                share,
+                maximum: most,
+                mean: sum as f64 / f64::from(view.mesh.active.count().max(1)),
+            });
+        }
+    });
+}
+
+/// Replays the analysis merge by merge; `visit` sees the mesh before each.
+fn walk(replay: &Replay, mut visit: impl FnMut(u32, &View<mt_core::hierarchy::VertexMesh>)) {
+    let mut view = View { front: Front::reference(replay.len()), mesh: replay.reference_mesh() };
+    for merge in 0..replay.merge_count() {
+        visit(merge, &view);
+        let run = replay.run_of(merge);
+        for m in (run.start().0..=run.end().0).map(NodeId) {
+            replay.coarsen(m, &mut view.mesh, &mut ());
+            view.front.set(m, false);
+        }
+    }
+}

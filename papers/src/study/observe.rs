@@ -1,0 +1,189 @@
+//! Extraction along the camera path under one dependency, for every criterion and strategy.
+
+use super::choices::{Query, Scene, is_sensible};
+use super::features::folds;
+use super::{Config, DependencyKind, Observation, Ordered, Results, Steps, StrategyKind, StudyError, Subject};
+use mt_core::model::{Step, cells_of, take};
+use mt_core::{Bits, Bound, Cell, CellId, Coarsen, MultiTessellation, NodeId, Rule, Sink, check};
+use operators::order::Visit;
+use selective::{Hysteresis, OnPath, Outcome, State, Strategy, adapt, extract};
+use std::time::Instant;
+
+/// Folds are counted in every so many frames.
+const FOLDS_EVERY: usize = 10;
+
+/// Counts the triangles that steps touch.
+#[derive(Clone, Copy, Debug, Default)]
+struct Touched(u32);
+
+impl Sink<3> for Touched {
+    #[inline]
+    fn kill(&mut self, _: CellId) {
+        self.0 += 1;
+    }
+    #[inline]
+    fn make(&mut self, _: CellId, _: Cell<3>) {
+        self.0 += 1;
+    }
+    #[inline]
+    fn relabel(&mut self, _: CellId, _: Cell<3>) {
+        self.0 += 1;
+    }
+}
+
+/// Observes a model under one dependency: all sensible combinations of the rest.
+pub(super) struct Observe<'a, 'b> {
+    pub(super) subject: &'a Subject,
+    pub(super) operator: &'a str,
+    pub(super) dependency: DependencyKind,
+    pub(super) scene: &'a Scene<'a>,
+    pub(super) has_runs: bool,
+    /// Bytes an input vertex, and needs stored besides the forest.
+    pub(super) size: (f64, usize),
+    pub(super) seconds: f64,
+    pub(super) config: &'a Config,
+    pub(super) results: &'a mut Results,
+    pub(super) steps: &'a mut Steps<'b>,
+}
+
+impl Visit for Observe<'_, '_> {
+    type Output = Result<(), StudyError>;
+
+    fn visit<M: MultiTessellation<3, Bound = Bound>>(mut self, model: &M) -> Self::Output {
+        self.note_order(model)?;
+        let config = self.config;
+        for &criterion in &config.criteria {
+            for &strategy in &config.strategies {
+                if is_sensible(self.dependency, criterion, strategy, self.has_runs) {
+                    self.steps.go_on(&self.subject.name)?;
+                    self.follow(model, criterion, strategy);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Observe<'_, '_> {
+    /// What the order is by itself, and how fast it steps.
+    fn note_order<M: MultiTessellation<3, Bound = Bound>>(&mut self, model: &M) -> Result<(), StudyError> {
+        let order = check::order_of(model).map_err(|breach| StudyError::Law(self.subject.name.clone(), breach))?;
+        let ns = nanoseconds_a_step(model);
+        self.results.ordered.push(Ordered {
+            model: self.subject.name.clone(),
+            operator: self.operator.to_owned(),
+            dependency: self.dependency.name(),
+            is_static: M::RULE == Rule::Static,
+            arcs: order.arc_count(),
+            beyond_forest: self.size.1,
+            depth: order.depth(),
+            bytes_per_vertex: self.size.0,
+            seconds: self.seconds,
+            nanoseconds_a_step: ns,
+        });
+        Ok(())
+    }
+
+    /// One criterion and strategy along the whole path.
+    fn follow<M: MultiTessellation<3, Bound = Bound>>(
+        &mut self,
+        model: &M,
+        criterion: super::CriterionKind,
+        strategy: StrategyKind,
+    ) {
+        let mut state = State::new(model, Touched::default());
+        let mut seen = Bits::new(model.positions().len() as u32);
+        for frame in 0..self.scene.cameras.len() {
+            let query = self.scene.query(criterion, frame);
+            let before = state.front().clone();
+            state.steps.clear();
+            state.sink = Touched::default();
+            let begun = Instant::now();
+            let outcome = self.answer(model, &query, strategy, frame, &mut state);
+            let seconds = begun.elapsed().as_secs_f64();
+            let mut chains: Vec<u32> = state.chains().to_vec();
+            chains.sort_unstable();
+            let chain_p95 = chains.get(chains.len().saturating_sub(1) * 95 / 100).copied().unwrap_or(0);
+            let is_counted = frame % FOLDS_EVERY == 0 && strategy == StrategyKind::Incremental;
+            let turned = before.difference(state.front()).count() + state.front().difference(&before).count();
+            self.results.observations.push(Observation {
+                model: self.subject.name.clone(),
+                operator: self.operator.to_owned(),
+                dependency: self.dependency.name(),
+                criterion: criterion.name(),
+                strategy: strategy.name(),
+                frame: frame as u32,
+                vertices: vertex_count(model, &state, &mut seen),
+                triangles: state.cell_count(model),
+                refined: outcome.refined,
+                coarsened: outcome.coarsened,
+                forced: outcome.forced,
+                chain_p95,
+                chain_max: outcome.chain_max,
+                fan_steps: outcome.runs,
+                edge_steps: outcome.singles,
+                changed: turned as u32,
+                touched: state.sink.0,
+                folds: is_counted.then(|| {
+                    let cells: Vec<_> = cells_of(model, &state.view.mesh).into_iter().map(|(_, cell)| cell).collect();
+                    folds(&cells, model.positions())
+                }),
+                seconds,
+            });
+        }
+    }
+
+    fn answer<M: MultiTessellation<3, Bound = Bound>>(
+        &self,
+        model: &M,
+        query: &Query,
+        strategy: StrategyKind,
+        frame: usize,
+        state: &mut State<3, M, Touched>,
+    ) -> Outcome {
+        let wish = &query.criterion;
+        let sequence = match strategy {
+            StrategyKind::TopDown => Strategy::TopDown,
+            StrategyKind::Priority => Strategy::Priority,
+            StrategyKind::Incremental => return adapt(model, wish, &query.limits, state),
+            StrategyKind::Hysteresis => {
+                let margin = 0.5 * self.config.error_px;
+                return adapt(model, &Hysteresis { criterion: wish, margin }, &query.limits, state);
+            }
+            StrategyKind::Dual | StrategyKind::DualDistance => {
+                let path = self.scene.path(strategy, frame);
+                return adapt(model, &OnPath { criterion: wish, path }, &query.limits, state);
+            }
+        };
+        let (fresh, outcome) = extract(model, wish, &query.limits, sequence, Touched::default());
+        *state = fresh;
+        outcome
+    }
+}
+
+/// Refines everything and coarsens it again, by rank.
+fn nanoseconds_a_step<M: MultiTessellation<3, Bound = Bound>>(model: &M) -> f64 {
+    let mut view = model.base_view();
+    let mut out = Vec::new();
+    let begun = Instant::now();
+    for m in (0..model.len()).rev().map(NodeId) {
+        out.clear();
+        model.prerequisites(m, &view, &mut out);
+        if out.is_empty() {
+            take(model, Step::refine(m), &mut view, &mut ());
+        }
+    }
+    for m in (0..model.len()).map(NodeId) {
+        out.clear();
+        if view.front.is_refined(m) && model.obstacles(m, &view, &mut out) == Coarsen::Now {
+            take(model, Step::coarsen(m), &mut view, &mut ());
+        }
+    }
+    begun.elapsed().as_secs_f64() * 1e9 / (2.0 * f64::from(model.len().max(1)))
+}
+
+fn vertex_count<M: MultiTessellation<3>, S>(model: &M, state: &State<3, M, S>, seen: &mut Bits) -> usize {
+    seen.clear();
+    model.cells(&state.view.mesh, |_, corners| corners.iter().for_each(|v| _ = seen.insert(v.0)));
+    seen.count() as usize
+}
