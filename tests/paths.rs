@@ -8,9 +8,9 @@ use mt_core::{Bound, Camera, Cell, CellId, Coarsen, Explicit, Front, NodeId, Rul
 use mt_tests::model_of;
 use operators::EdgeCollapse;
 use selective::{
-    Criterion, Facing, FeaturePoints, Hysteresis, Limits, Measure, Moving, NormalChange, OnPath, Outcome, Pace, Path,
-    Reading, ScreenError, Silhouette, State, Strategy, Transfer, UniformError, VisualError, Wish, adapt, approach,
-    extract, wish_closure, wish_closure_after,
+    Criterion, Facing, FeaturePoints, Hysteresis, InRegion, Limits, Measure, Moving, NormalChange, OnPath, Outcome,
+    Pace, Path, Reading, Region, ScreenError, Silhouette, State, Strategy, Transfer, UniformError, VisualError, Wish,
+    adapt, approach, extract, wish_closure, wish_closure_after,
 };
 use std::ops::RangeInclusive;
 
@@ -208,6 +208,22 @@ fn every_path_ends_in_its_least_closure_from_wherever_it_comes() {
     }
     assert!(between > 0, "distance never told runs apart");
     assert!(0 < runs.0 && runs.0 < runs.1, "{runs:?} runs changed as one");
+}
+
+/// Here the last node of a run is often asked for and refined while what its other nodes hang under is neither, so that
+/// they are come upon by their run alone.
+#[test]
+fn runs_in_a_region_are_completed() {
+    let mut random = Random::new(1);
+    let model = InRuns::new(model(), &mut random);
+    for _ in 0..60 {
+        let mut node = || model.bound(NodeId::new(random.below(model.runs.len())));
+        let (at, error_max) = (node().center, node().error);
+        let region = Region { low: at - 0.05, high: at + 0.05 };
+        let criterion = OnPath { criterion: InRegion { region, error_max }, path: Path::Coarse };
+        let before = random_front(&model, &mut random);
+        every_way(&model, &criterion, &before);
+    }
 }
 
 #[test]

@@ -126,6 +126,19 @@ mod tests {
     }
 
     #[test]
+    fn the_factor_of_the_view_is_extreme_over_both_branches() {
+        let criterion = visual(Reading::Tolerance);
+        let epsilon = f64::from(criterion.epsilon);
+        let factor = |least, most| {
+            let factor = criterion.view_factor(Range { least, most });
+            (factor.least, factor.most)
+        };
+        assert_eq!(factor(0.0, 0.1), (1.0, 1.0));
+        assert_eq!(factor(0.3, 0.5), (0.3, 0.5));
+        assert_eq!(factor(0.1, 0.5), (epsilon, 1.0));
+    }
+
+    #[test]
     fn what_the_light_grazes_has_no_tolerance() {
         let grazed = VisualError { light: Vec3::X, ..visual(Reading::Tolerance) };
         assert_eq!(grazed.excess(&at(10.0, -Vec3::Z), false), 1.0);
