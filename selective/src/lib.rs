@@ -4,6 +4,9 @@
 //! expansion). Both end in the same front: the least closed set that holds every node the criterion asks for. The
 //! engine never sees a triangle, and never an operator.
 //!
+//! Two things go around a criterion rather than into it: a memory ([`Hysteresis`]), and how nodes that come in runs are
+//! judged ([`OnPath`], the dual paths of a fan hierarchy).
+//!
 //! ```
 //! use mt_core::{analysis, Recorder, ErrorKind, Mesh, MultiTessellation};
 //! use mt_selective::{Limits, Strategy, UniformError, adapt, extract};

@@ -30,8 +30,8 @@ pub enum Path {
     /// Those of which all nodes are asked for, or none: where the difference between the current and the wanted front
     /// takes in the whole run, it is one fan step. The front is that of [`Path::Fine`].
     Difference,
-    /// Those farther from the eye than `beyond`: the paper's heuristic, which spares looking at the difference. A run's
-    /// distance is that of the farthest point of its last node's sphere; the front lies between the fine and the coarse.
+    /// Those farther from the eye than `beyond`: the paper's heuristic, which spares looking at the difference. A run is
+    /// farther when all of its last node's sphere is; the front lies between the fine and the coarse.
     Distance {
         /// Where the eye is.
         eye: Vec3,
@@ -69,7 +69,7 @@ impl<C: Criterion<Bound>> Criterion<Bound> for OnPath<C> {
         match self.path {
             Path::Fine => Pace::Single,
             Path::Difference => Pace::Together,
-            Path::Distance { eye, beyond } if distances(last, eye).most <= f64::from(beyond) => Pace::Single,
+            Path::Distance { eye, beyond } if distances(last, eye).least <= f64::from(beyond) => Pace::Single,
             Path::Distance { .. } | Path::Coarse => Pace::Whole,
         }
     }

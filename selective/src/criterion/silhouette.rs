@@ -1,11 +1,9 @@
 //! Silhouettes: a stricter criterion where the surface may turn away from the eye.
 
 use crate::criterion::angles::view_angles;
-use crate::criterion::{Criterion, Pace, Relax};
+use crate::criterion::{Criterion, Pace, Relax, ScreenError};
 use glam::Vec3;
 use mt_core::{Bound, Camera};
-
-use crate::criterion::ScreenError;
 
 /// One criterion everywhere, and another besides at outlines: where some normal of the cone is perpendicular to the
 /// direction from the eye to some point of the sphere.

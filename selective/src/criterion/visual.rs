@@ -10,20 +10,20 @@
 //! and calls that both the visual error and, two sentences on, a tolerance that is small close by and large far away.
 //! No stored error is in it. We found no reading in which all that the paper says of it is true, so both are here:
 //!
-//! - [`Reading::Tolerance`]: a node may be coarse while its error is at most `scale` times the equation. Distance is as
-//!   the paper says, and light dims what need not be fine (surfaces that the light grazes) the wrong way: they get the
-//!   smallest tolerance. The silhouette branch makes the tolerance larger, so outlines get coarser, though the paper
-//!   wants to emphasise them.
-//! - [`Reading::Error`]: the stored error times the equation may be at most `scale`. Outlines and lit surfaces are
-//!   finer, as the paper wants, and what is far away too, which it does not want.
+//! - [`Reading::Tolerance`]: a node may be coarse while its error is at most `scale` times the equation. With distance
+//!   it goes as the paper says. But the silhouette branch makes the tolerance larger, so outlines get coarser, though
+//!   the paper wants to emphasise them; and the smallest tolerance is where light grazes the surface.
+//! - [`Reading::Error`]: the stored error times the equation may be at most `scale`. Outlines and surfaces that face the
+//!   light get finer, as emphasis asks. But so does what is far away, which is backwards.
 //!
-//! The default is the first, since the paper's text speaks of a tolerance and of distance first. For finer outlines put
-//! a [`crate::Silhouette`] around it.
+//! The default is the first: distance is what the paper's text is about. For finer outlines put a [`crate::Silhouette`]
+//! around it.
 //!
 //! The paper evaluates at a vertex. Here the least (tolerance) or largest (error) value over the whole sphere and the
-//! whole cone counts, each factor by itself, so both readings are conservative and monotone, and stricter than at the
-//! vertex: a cone that holds a direction perpendicular to the light has a tolerance of 0. That is what `error_min` is
-//! for. Directions of light are absolute values in the paper too: what the light does not reach counts as lit.
+//! whole cone counts, each factor by itself, so both readings are conservative and monotone without exception, but
+//! stricter than at the vertex: a cone that holds a direction perpendicular to the light has a tolerance of 0, and a
+//! wide cone holds one. That is what `error_min` is for. Both directions count by magnitude, as in the paper: a surface
+//! that faces away from light or eye counts as one that faces it. Put a [`crate::Facing`] around it for the eye.
 
 use crate::criterion::angles::{Range, angles, distances, view_angles};
 use crate::criterion::{Criterion, Relax};
@@ -123,6 +123,19 @@ mod tests {
         assert!((excess(Reading::Error, oblique) - (10.0 * 0.48 - 1.0)).abs() < 0.2);
         assert!((excess(Reading::Tolerance, Vec3::X) + 9.0).abs() < 0.1);
         assert!((excess(Reading::Tolerance, oblique) - (1.0 - 10.0 * 0.48)).abs() < 0.2);
+    }
+
+    #[test]
+    fn the_factor_of_the_view_is_extreme_over_both_branches() {
+        let criterion = visual(Reading::Tolerance);
+        let epsilon = f64::from(criterion.epsilon);
+        let factor = |least, most| {
+            let factor = criterion.view_factor(Range { least, most });
+            (factor.least, factor.most)
+        };
+        assert_eq!(factor(0.0, 0.1), (1.0, 1.0));
+        assert_eq!(factor(0.3, 0.5), (0.3, 0.5));
+        assert_eq!(factor(0.1, 0.5), (epsilon, 1.0));
     }
 
     #[test]
