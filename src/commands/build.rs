@@ -4,12 +4,13 @@ use super::{CommandError, print_json, print_text};
 use crate::files::{self, FileError};
 use crate::progress::{Clock, Progress, interrupted, peak_bytes};
 use clap::{Args, ValueEnum};
-use mt_core::analysis::{Analysis, AnalysisError, Options, Stopped, Unfit, simplify};
+use mt_core::analysis::{Analysis, AnalysisError, Options, Stopped, Unfit};
 use mt_core::container::{self, Meta};
 use mt_core::format::{LoadOptions, LoadReport, NonManifold};
-use mt_core::{ErrorKind, Mesh, MultiTessellation, RefusalCounts, history};
-use operators::EdgeCollapse;
-use operators::edge_collapse::{BoundaryRule, Placement};
+use mt_core::{ErrorKind, Mesh, MultiTessellation, Recorder, RefusalCounts, history};
+use operators::AnyOperator;
+use operators::edge_collapse::BoundaryRule;
+use operators::fan_merge::BelowStall;
 use serde_json::json;
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
@@ -22,9 +23,13 @@ pub struct Build {
     /// Where to write the model
     #[arg(short, long, value_name = "X.mt")]
     output: PathBuf,
-    /// What coarsens the mesh
-    #[arg(long, value_enum, default_value_t = Operator::EdgeCollapse, conflicts_with = "history")]
-    operator: Operator,
+    /// What coarsens the mesh: edge-collapse, half-edge-collapse, vertex-pair, fan-merge; the first three also with a
+    /// metric, as in edge-collapse/lindstrom-turk (quadric, quadric-attributes, lindstrom-turk, edge-length)
+    #[arg(long, value_name = "NAME[/METRIC]", default_value = "edge-collapse", conflicts_with = "history")]
+    operator: AnyOperator,
+    /// Fan-merge: what to do when no legal full fan is left
+    #[arg(long, value_enum, value_name = "WHAT", conflicts_with = "history")]
+    below_stall: Option<Stall>,
     /// Replay this history instead of coarsening
     #[arg(long, value_name = "H.jsonl")]
     history: Option<PathBuf>,
@@ -54,19 +59,20 @@ pub struct Build {
     json: bool,
 }
 
-/// What coarsens the mesh.
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq)]
-pub enum Operator {
-    /// An edge becomes a new vertex at the best place
-    EdgeCollapse,
-    /// An edge becomes one of its ends
-    HalfEdgeCollapse,
-}
-
 #[derive(ValueEnum, Clone, Copy)]
 enum Errors {
     Estimate,
     Measured,
+}
+
+#[derive(ValueEnum, Clone, Copy)]
+enum Stall {
+    /// Merge the children that can go
+    Partial,
+    /// Collapse single edges
+    Collapse,
+    /// End there
+    Stop,
 }
 
 #[derive(ValueEnum, Clone, Copy)]
@@ -83,16 +89,6 @@ enum Sheets {
     Refuse,
     /// Separate the sheets, and report it
     Split,
-}
-
-impl Operator {
-    /// The operator with its default options.
-    pub fn edge_collapse(self) -> EdgeCollapse {
-        match self {
-            Operator::EdgeCollapse => EdgeCollapse::FULL,
-            Operator::HalfEdgeCollapse => EdgeCollapse::HALF,
-        }
-    }
 }
 
 impl Build {
@@ -128,13 +124,7 @@ impl Build {
         if self.until_error.is_some_and(|error| error.is_nan() || error < 0.0) {
             return Err(CommandError::Other("--until-error must be a number, 0 or more".into()));
         }
-        let operator = EdgeCollapse {
-            boundary: match self.boundary {
-                Boundary::Weighted => BoundaryRule::Weighted,
-                Boundary::Locked => BoundaryRule::Locked,
-            },
-            ..self.operator.edge_collapse()
-        };
+        let operator = self.chosen_operator()?;
         let options = Options {
             until_cells: self.until_cells,
             until_error: self.until_error,
@@ -144,18 +134,49 @@ impl Build {
             },
         };
         let mut progress = Progress::new("coarsening", mesh.cell_count() as u64);
-        let analysis = simplify(mesh, &operator, &options, &mut |at| progress.at((at.cells_in - at.cells) as u64));
-        let analysis = analysis.map_err(|error| self.explain(error))?;
-        if analysis.stopped == Stopped::Cancelled || interrupted() {
+        let mut recorder = Recorder::new(mesh).map_err(|error| self.explain(error.into()))?;
+        let mut watch = |at: mt_core::analysis::Progress| progress.at((at.cells_in - at.cells) as u64);
+        let ended = operator.analyse(mesh, &options, &mut recorder, &mut watch).map_err(|error| self.explain(error))?;
+        if ended.stopped == Stopped::Cancelled || interrupted() {
             return Err(CommandError::Interrupted);
         }
-        let name = if operator.placement == Placement::Optimal { "edge-collapse" } else { "half-edge-collapse" };
-        Ok((analysis, name.to_owned()))
+        let model = recorder.finish(options.error_kind).map_err(|error| self.explain(error.into()))?;
+        Ok((Analysis { model, refusals: ended.refusals, stopped: ended.stopped }, operator.name()))
+    }
+
+    /// The operator with the options that only some of them have; an option that would do nothing is refused.
+    fn chosen_operator(&self) -> Result<AnyOperator, CommandError> {
+        let rule = match self.boundary {
+            Boundary::Weighted => BoundaryRule::Weighted,
+            Boundary::Locked => BoundaryRule::Locked,
+        };
+        let mut operator = self.operator.clone();
+        let takes_stall = match &mut operator {
+            AnyOperator::EdgeCollapse(collapse) => {
+                collapse.boundary = rule;
+                false
+            }
+            AnyOperator::FanMerge(fan) => {
+                fan.boundary = rule;
+                fan.below_stall = match self.below_stall {
+                    None | Some(Stall::Partial) => BelowStall::Partial,
+                    Some(Stall::Collapse) => BelowStall::Collapse,
+                    Some(Stall::Stop) => BelowStall::Stop,
+                };
+                true
+            }
+        };
+        if self.below_stall.is_some() && !takes_stall {
+            return Err(CommandError::Other(format!("--below-stall is for fan-merge, not for {operator}")));
+        }
+        Ok(operator)
     }
 
     fn explain(&self, error: AnalysisError) -> CommandError {
         let way_out = match error {
-            AnalysisError::Unfit(Unfit::NonManifold { .. }) => "; --non-manifold split separates the sheets",
+            AnalysisError::Unfit(Unfit::NonManifold { .. }) => {
+                "; --non-manifold split separates the sheets, --operator vertex-pair takes the mesh as it is"
+            }
             _ => "",
         };
         FileError::new(&self.model, format!("{error}{way_out}")).into()

@@ -6,7 +6,8 @@ use crate::progress::{Progress, interrupted};
 use clap::Args;
 use mt_core::analysis::{AnalysisError, Unfit};
 use mt_core::format::{LoadOptions, NonManifold};
-use papers::study::{self, Config, Results, StudyError, Subject};
+use operators::AnyOperator;
+use papers::study::{self, Config, CriterionKind, DependencyKind, Results, StrategyKind, StudyError, Subject};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -17,6 +18,32 @@ pub struct Study {
     /// Folder of the report
     #[arg(short, long, value_name = "DIR", default_value = "study")]
     output: PathBuf,
+    /// Operators: edge-collapse, half-edge-collapse, vertex-pair, fan-merge, or all; collapses also with a metric
+    #[arg(
+        long,
+        value_name = "A,B",
+        value_delimiter = ',',
+        default_value = "edge-collapse,half-edge-collapse,fan-merge"
+    )]
+    operators: Vec<String>,
+    /// What steps wait for: cells (the explicit model), explicit, one-ring, cut-pair, four-face, dual-piece,
+    /// implicit-ids, implicit-ids-stored, dual-piece-free, or all
+    #[arg(
+        long,
+        value_name = "A,B",
+        value_delimiter = ',',
+        default_value = "cells,one-ring,four-face,dual-piece,implicit-ids"
+    )]
+    dependencies: Vec<String>,
+    /// Criteria: uniform, region, screen, facing, silhouette, moving, features, visual, budget, or all
+    #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = "uniform,region,screen,budget")]
+    criteria: Vec<String>,
+    /// Strategies: top-down, priority, incremental, hysteresis, dual, dual-distance, or all
+    #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = "top-down,priority,incremental,dual")]
+    strategies: Vec<String>,
+    /// Build everything anew, also what an earlier run into the same folder has built
+    #[arg(long)]
+    no_cache: bool,
     /// Frames of the camera path
     #[arg(long, value_name = "N", default_value_t = 90, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
@@ -33,9 +60,10 @@ impl Study {
         if self.pixels.is_nan() || self.pixels < 0.0 {
             return Err(CommandError::Other("--pixels must be a number, 0 or more".into()));
         }
+        let config = self.config()?;
         let subjects = self.subjects()?;
         let new_folder = files::make_folder(&self.output)?;
-        let results = self.observe(&subjects);
+        let results = self.observe(&subjects, &config);
         if results.is_err() && new_folder {
             files::remove_empty_folder(&self.output);
         }
@@ -45,10 +73,26 @@ impl Study {
         Ok(ExitCode::SUCCESS)
     }
 
-    fn observe(&self, subjects: &[Subject]) -> Result<Results, CommandError> {
-        let config = Config { frames: self.frames, error_px: self.pixels, ..Config::default() };
+    fn config(&self) -> Result<Config, CommandError> {
+        Ok(Config {
+            operators: chosen(&self.operators, &AnyOperator::NAMES)?,
+            dependencies: chosen(
+                &self.dependencies,
+                &DependencyKind::all().map(DependencyKind::name).collect::<Vec<_>>(),
+            )?,
+            criteria: chosen(&self.criteria, &CriterionKind::ALL.iter().map(|c| c.name()).collect::<Vec<_>>())?,
+            strategies: chosen(&self.strategies, &StrategyKind::ALL.iter().map(|s| s.name()).collect::<Vec<_>>())?,
+            frames: self.frames,
+            error_px: self.pixels,
+            ..Config::default()
+        })
+    }
+
+    fn observe(&self, subjects: &[Subject], config: &Config) -> Result<Results, CommandError> {
         let mut progress = Progress::new("studying", 1000);
-        let results = study::run(subjects, &config, &mut |_, share| progress.at((share * 1000.0) as u64));
+        let mut cache: Box<dyn study::Cache> =
+            if self.no_cache { Box::new(study::NoCache) } else { Box::new(Folder(self.output.join("built"))) };
+        let results = study::run(subjects, config, &mut *cache, &mut |_, share| progress.at((share * 1000.0) as u64));
         drop(progress);
         match results {
             Err(StudyError::Cancelled) => Err(CommandError::Interrupted),
@@ -61,7 +105,7 @@ impl Study {
     fn explain(&self, error: StudyError) -> CommandError {
         let way_out = match error {
             StudyError::Analysis(_, AnalysisError::Unfit(Unfit::NonManifold { .. })) => {
-                "; --split-non-manifold separates the sheets"
+                "; --split-non-manifold separates the sheets, --operators vertex-pair takes the mesh as it is"
             }
             _ => "",
         };
@@ -106,6 +150,48 @@ impl Study {
     }
 }
 
+/// Choices by name, each once; `all` stands for all of them.
+fn chosen<T>(names: &[String], all: &[&str]) -> Result<Vec<T>, CommandError>
+where
+    T: std::str::FromStr,
+    T::Err: std::fmt::Display,
+{
+    let mut seen: Vec<&str> = Vec::new();
+    for name in names.iter().map(|name| name.trim()) {
+        let more = if name == "all" { all.to_vec() } else { vec![name] };
+        more.into_iter().for_each(|name| {
+            if !seen.contains(&name) {
+                seen.push(name)
+            }
+        });
+    }
+    let parse = |name: &&str| name.parse().map_err(|error: T::Err| CommandError::Other(error.to_string()));
+    seen.iter().map(parse).collect()
+}
+
+/// Built models of earlier runs, a file each.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn place(&self, key: &str) -> PathBuf {
+        self.0.join(format!("{key}.built"))
+    }
+}
+
+impl study::Cache for Folder {
+    fn load(&mut self, key: &str) -> Option<Vec<u8>> {
+        files::read(&self.place(key)).ok()
+    }
+
+    fn store(&mut self, key: &str, bytes: &[u8]) {
+        // What cannot be kept is built again the next time; the study itself loses nothing.
+        let kept = files::make_folder(&self.0).and_then(|_| files::write_bytes(&self.place(key), bytes));
+        if let Err(error) = kept {
+            eprintln!("warning: the model is not kept for the next run: {error}");
+        }
+    }
+}
+
 /// What a model is called in the study: its file without the ending.
 fn name_of(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
@@ -116,8 +202,9 @@ fn summary(results: &Results, folder: &Path) -> String {
         .built
         .iter()
         .map(|b| {
+            let built = if b.from_cache { " (built before)" } else { "" };
             format!(
-                "{:12} {:20} {:>7} triangles to {:>4} in {:.2} s, {:.0} bytes a vertex",
+                "{:12} {:20} {:>7} triangles to {:>4} in {:.2} s, {:.0} bytes a vertex{built}",
                 b.model, b.operator, b.triangles_in, b.triangles_base, b.seconds, b.bytes_per_vertex
             )
         })
