@@ -8,6 +8,8 @@
 
 mod legal;
 mod manifold;
+#[cfg(test)]
+mod tests;
 
 use crate::metric::{Boundary, BoundaryEdge, Merge, Metric, Offer, Place, Quadrics};
 use mt_core::analysis::{Draft, Operator, Unfit};
