@@ -40,14 +40,11 @@ fn volume(draft: &Draft<3>) -> f64 {
     draft.complex.cells().map(|(_, cell)| corners(cell)).map(|[a, b, c]| a.dot(b.cross(c))).sum()
 }
 
+type Look<'a, M> = &'a mut dyn FnMut(&Draft<3>, &Aux<<M as Metric>::State>, &Plan<3>, &[(f64, Edge)]);
+
 /// Applies the cheapest legal collapse again and again, `steps` times, and hands each to `look`: the draft before, the
 /// plan, and all prices that the operator would have asked for by then.
-fn steps<M: Metric>(
-    mesh: &Mesh<3>,
-    operator: &EdgeCollapse<M>,
-    steps: usize,
-    look: &mut dyn FnMut(&Draft<3>, &Aux<M::State>, &Plan<3>, &[(f64, Edge)]),
-) {
+fn steps<M: Metric>(mesh: &Mesh<3>, operator: &EdgeCollapse<M>, steps: usize, look: Look<'_, M>) {
     let mut draft = Draft::new(mesh);
     let mut sites = Vec::new();
     let mut aux = operator.prepare(&draft, &mut sites).expect("generated meshes are manifolds");
