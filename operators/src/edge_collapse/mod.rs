@@ -198,6 +198,7 @@ struct Target {
 }
 
 impl<M: Metric> EdgeCollapse<M> {
+    #[inline]
     fn target(&self, draft: &Draft<3>, aux: &Aux<M::State>, site: Edge) -> Target {
         let ends = [site.a, site.b];
         let pair = self.metric.pair(draft, &aux.metric, ends);
