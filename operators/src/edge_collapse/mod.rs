@@ -8,6 +8,8 @@
 
 pub(crate) mod legal;
 pub(crate) mod manifold;
+#[cfg(test)]
+mod tests;
 
 use crate::metric::{Boundary, BoundaryEdge, Merge, Metric, Offer, Place, Quadrics};
 use mt_core::analysis::{Draft, Operator, Unfit};
@@ -196,6 +198,7 @@ struct Target {
 }
 
 impl<M: Metric> EdgeCollapse<M> {
+    #[inline]
     fn target(&self, draft: &Draft<3>, aux: &Aux<M::State>, site: Edge) -> Target {
         let ends = [site.a, site.b];
         let pair = self.metric.pair(draft, &aux.metric, ends);

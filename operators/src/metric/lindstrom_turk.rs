@@ -19,7 +19,7 @@ use mt_core::analysis::{Draft, Unfit};
 use mt_core::mesh::area_vector;
 
 /// Less than this share of the whole pins nothing down: what bends in a direction, against the sum over all directions.
-const NOISE: f64 = 1e-6;
+const NOISE: f64 = 1e-4;
 
 /// The metric of `[LindstromTurk1998]`.
 ///

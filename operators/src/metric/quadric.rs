@@ -122,6 +122,7 @@ impl Quadric {
 
     /// The root mean square distance from `p` to the planes, in model units: an estimate of the distance to the surface.
     /// Boundary planes raise it near boundaries; without any area it is 0.
+    #[inline]
     pub fn distance(&self, p: DVec3) -> f64 {
         self.root(self.value(p))
     }
@@ -155,6 +156,7 @@ impl Quadric {
     }
 
     /// The point of least value on the segment `a b`.
+    #[inline]
     pub fn minimum_on(&self, a: DVec3, b: DVec3) -> DVec3 {
         // Along the segment the value is a parabola, given by its ends and its middle.
         let (at_a, at_b, middle) = (self.value(a), self.value(b), self.value(a.lerp(b, 0.5)));
