@@ -384,6 +384,25 @@ fn only_manifolds_are_taken() {
 }
 
 #[test]
+fn sums_are_kept_as_if_added_up() {
+    for mesh in [generate::bumpy_grid(12, 9, 0.8, 3), generate::bumpy_sphere(3, 0.2, 8), generate::moebius(12)] {
+        let fan = FanMerge::STOP;
+        let mut draft = Draft::new(&mesh);
+        let (mut sites, mut plan, mut slots) = (Vec::new(), Plan::default(), Vec::new());
+        let mut aux = fan.prepare(&draft, &mut sites).expect("a manifold");
+        aux.judge_sums(&fan, &draft);
+        for site in sites {
+            plan.clear();
+            if fan.plan(&draft, &aux, site, &mut plan).is_ok() {
+                draft.apply(&plan, &mut slots);
+                fan.applied(&draft, &mut aux, &plan, &mut Vec::new());
+                aux.judge_sums(&fan, &draft);
+            }
+        }
+    }
+}
+
+#[test]
 fn rounds_do_not_overlap() {
     let mesh = generate::bumpy_sphere(3, 0.1, 4);
     let draft = Draft::new(&mesh);
