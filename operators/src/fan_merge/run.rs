@@ -131,11 +131,14 @@ pub(super) fn plan(
 ) -> Result<(), Refusal> {
     let work = &mut *aux.work();
     let at = draft.positions[hub.index()].as_dvec3();
-    let mut run = Run { fan, draft, aux, hub, at, ring_len: 0 };
+    let mut run = Run { fan, draft, aux, hub, at, ring_len: 0, why: Refusal::Boundary };
     let all = matches!(demand, Demand::All);
+    if all {
+        run.recall_child(work)?;
+    }
     work.surround(aux, draft, hub);
     if all {
-        run.recall(work)?;
+        run.recall_ring(work)?;
     }
     let degree = work.ring.len();
     run.ring_len = degree + usize::from(aux.is_on_boundary(hub));
@@ -168,17 +171,26 @@ struct Run<'a> {
     at: DVec3,
     /// How many vertices are around the hub, the boundary counted as one.
     ring_len: usize,
+    /// Why the last child that never can go may not.
+    why: Refusal,
 }
 
 impl Run<'_> {
-    /// Refuses as the last time, if what stood in the way is as it was.
-    fn recall(&self, work: &Work) -> Result<(), Refusal> {
+    /// Refuses as the last time, if one child stood in the way that is as it was.
+    fn recall_child(&self, work: &Work) -> Result<(), Refusal> {
         let witness = work.witnesses[self.hub.index()];
-        let same = witness.hub_stamp == self.aux.stamp(self.hub)
-            && match witness.child {
-                VertexId::NONE => witness.stamp == self.stamp_of_ring(work),
-                child => witness.stamp == self.aux.stamp(child),
-            };
+        let same = !witness.child.is_none()
+            && witness.hub_stamp == self.aux.stamp(self.hub)
+            && witness.stamp == self.aux.stamp(witness.child);
+        if same { Err(witness.refusal) } else { Ok(()) }
+    }
+
+    /// Refuses as the last time, if all around the hub is as it was.
+    fn recall_ring(&self, work: &Work) -> Result<(), Refusal> {
+        let witness = work.witnesses[self.hub.index()];
+        let same = witness.child.is_none()
+            && witness.hub_stamp == self.aux.stamp(self.hub)
+            && witness.stamp == self.stamp_of_ring(work);
         if same { Err(witness.refusal) } else { Ok(()) }
     }
 
@@ -194,7 +206,7 @@ impl Run<'_> {
 
     /// Lists the children that may go sooner or later, with what is around them. Where all are wanted, the first that
     /// never may ends it.
-    fn gather(&self, work: &mut Work, all: bool) -> Result<(), Refusal> {
+    fn gather(&mut self, work: &mut Work, all: bool) -> Result<(), Refusal> {
         work.waiting.clear();
         work.merged.clear();
         work.sides.clear();
@@ -222,7 +234,7 @@ impl Run<'_> {
                     work.witnesses[self.hub.index()] = Witness { hub_stamp, child: u, stamp, refusal };
                     return Err(refusal);
                 }
-                Err(_) => {}
+                Err(refusal) => self.why = refusal,
             }
         }
         let mut waiting = std::mem::take(&mut work.waiting);
@@ -293,7 +305,7 @@ impl Run<'_> {
 
     fn make(&mut self, work: &mut Work, least: usize, most: usize) -> Result<(), Refusal> {
         while work.merged.len() < most {
-            let mut refusal = Refusal::Boundary;
+            let mut refusal = self.why;
             let legal = (0..work.waiting.len()).find(|&k| match self.may_merge(&work.waiting[k], work) {
                 Ok(()) => true,
                 Err(why) => {
