@@ -7,12 +7,12 @@
 //!
 //! | operator | what it does |
 //! |---|---|
-//! | [`EdgeCollapse::FULL`] | an edge becomes a new vertex, where the quadrics of both ends are least |
+//! | [`EdgeCollapse::FULL`] | an edge becomes a new vertex, where the metric likes it best |
 //! | [`EdgeCollapse::HALF`] | an edge becomes one of its ends; no vertex is made |
 //!
 //! | metric | what it measures |
 //! |---|---|
-//! | [`metric::Quadric`] | weighted squared distances to planes |
+//! | [`metric::Quadrics`] | weighted squared distances to planes |
 //!
 //! ```
 //! use mt_core::analysis::{Options, simplify};

@@ -1,24 +1,22 @@
-//! Edge collapse on manifold triangle meshes, both kinds, by quadrics.
+//! Edge collapse on manifold triangle meshes, both kinds, by any metric.
 //!
-//! A full edge collapse (`[Hoppe1996]`) puts a new vertex where the quadrics of both ends are least; a half-edge collapse
-//! pulls one end onto the other and makes no vertex. The link condition (`[DeyEdelsbrunner1999]`, with a cone over the
+//! A full edge collapse (`[Hoppe1996]`) puts a new vertex where the metric likes it best; a half-edge collapse pulls one
+//! end onto the other and makes no vertex. The link condition (`[DeyEdelsbrunner1999]`, with a cone over the
 //! boundary) keeps the mesh a manifold of the same topology; both stars are tested for folding over against the final
 //! position. Deviation from `[GarlandHeckbert1997]`: every collapse of a full edge makes a new vertex id, so an edge's
-//! price holds as long as the edge does and nothing in the queue needs a stamp.
+//! price holds as long as the edge does and nothing in the queue needs a stamp, unless the metric sees neighbours.
 
 mod legal;
 mod manifold;
 
-use crate::metric::Quadric;
-use glam::{DVec3, Vec3};
+use crate::metric::{Boundary, BoundaryEdge, Merge, Metric, Offer, Place, Quadrics};
 use mt_core::analysis::{Draft, Operator, Unfit};
-use mt_core::mesh::area_vector;
 use mt_core::{Complex, Plan, Refusal, VertexId};
 
 /// Where the vertex of a collapsed edge goes.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum Placement {
-    /// A new vertex where the quadric is least.
+    /// A new vertex where the metric likes it best.
     #[default]
     Optimal,
     /// One end stays as it is (half-edge collapse).
@@ -28,36 +26,48 @@ pub enum Placement {
 /// What may happen to boundary edges.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum BoundaryRule {
-    /// Boundaries are coarsened too, held in place by quadrics of upright planes.
+    /// Boundaries are coarsened too, held in place by what the metric has against moving them.
     #[default]
     Weighted,
     /// Boundary vertices neither move nor go.
     Locked,
 }
 
-/// Edge collapse by quadrics.
+/// Edge collapse by a metric.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub struct EdgeCollapse {
+pub struct EdgeCollapse<M = Quadrics> {
     /// Where the vertex goes.
     pub placement: Placement,
     /// What may happen to boundaries.
     pub boundary: BoundaryRule,
-    /// Weight of boundary planes, in squared edge lengths.
+    /// What moving a boundary counts, for metrics that ask; for quadrics, the weight of boundary planes in squared edge
+    /// lengths.
     pub boundary_weight: f64,
     /// The least cosine between a triangle's normal before and after; 1 forbids any turn, -1 allows all.
     pub fold_cosine: f64,
+    /// What a collapse costs, and where its vertex goes.
+    pub metric: M,
 }
 
 impl EdgeCollapse {
-    /// Full edge collapse with optimal placement.
+    /// Full edge collapse with optimal placement, by quadrics.
     pub const FULL: Self = Self {
         placement: Placement::Optimal,
         boundary: BoundaryRule::Weighted,
         boundary_weight: 4.0,
         fold_cosine: 0.2,
+        metric: Quadrics,
     };
-    /// Half-edge collapse.
+    /// Half-edge collapse, by quadrics.
     pub const HALF: Self = Self { placement: Placement::End, ..Self::FULL };
+}
+
+impl<M> EdgeCollapse<M> {
+    /// The same with another metric.
+    pub fn with<N: Metric>(self, metric: N) -> EdgeCollapse<N> {
+        let Self { placement, boundary, boundary_weight, fold_cosine, metric: _ } = self;
+        EdgeCollapse { placement, boundary, boundary_weight, fold_cosine, metric }
+    }
 }
 
 /// An edge, and the sum of how often its ends have changed, which is 0 for good where every change makes a new vertex.
@@ -70,20 +80,20 @@ pub struct Edge {
     second: bool,
 }
 
-/// Quadrics, boundary flags and stamps of the vertices.
+/// The metric's state, boundary flags and stamps of the vertices.
 #[derive(Clone, Debug, Default)]
-pub struct Aux {
-    quadrics: Vec<Quadric>,
+pub struct Aux<S> {
+    metric: S,
     on_boundary: Vec<bool>,
     /// Whether the triangles of every inner edge pass it in opposite directions; collapses keep that.
     coherent: bool,
-    /// How often each vertex has changed; empty where changes make new vertices.
+    /// How often the prices at each vertex have changed; empty where a change of price is a new vertex.
     stamps: Vec<u32>,
 }
 
-impl Operator<3> for EdgeCollapse {
+impl<M: Metric> Operator<3> for EdgeCollapse<M> {
     type Site = Edge;
-    type Aux = Aux;
+    type Aux = Aux<M::State>;
 
     fn name(&self) -> &'static str {
         match self.placement {
@@ -92,44 +102,32 @@ impl Operator<3> for EdgeCollapse {
         }
     }
 
-    fn prepare(&self, draft: &Draft<3>, sites: &mut Vec<Edge>) -> Result<Aux, Unfit> {
+    fn prepare(&self, draft: &Draft<3>, sites: &mut Vec<Edge>) -> Result<Self::Aux, Unfit> {
         let edges = manifold::check(&draft.complex)?;
         let vertices = draft.positions.len();
-        let mut aux = Aux {
-            quadrics: vec![Quadric::default(); vertices],
-            on_boundary: vec![false; vertices],
-            coherent: edges.iter().all(|edge| edge.coherent),
-            stamps: if self.keeps_ends() { vec![0; vertices] } else { Vec::new() },
-        };
-        for (_, cell) in draft.complex.cells() {
-            let quadric = Quadric::of_triangle(cell.map(|v| draft.positions[v.index()].as_dvec3()));
-            for v in cell {
-                aux.quadrics[v.index()] += quadric;
-            }
-        }
+        let mut on_boundary = vec![false; vertices];
+        let mut boundary = Vec::new();
         for edge in edges.iter().filter(|edge| edge.on_boundary) {
-            let ends = edge.ends.map(|v| draft.positions[v.index()].as_dvec3());
-            let cell = draft.complex.cell(edge.slot);
-            let upright = area_vector(cell.map(|v| draft.positions[v.index()].as_dvec3()));
-            let quadric = Quadric::of_boundary_edge(ends[0], ends[1], upright, self.boundary_weight);
-            for v in edge.ends {
-                aux.quadrics[v.index()] += quadric;
-                aux.on_boundary[v.index()] = true;
-            }
+            boundary.push(BoundaryEdge { ends: edge.ends, cell: *draft.complex.cell(edge.slot) });
+            edge.ends.iter().for_each(|v| on_boundary[v.index()] = true);
         }
         sites.extend(edges.iter().map(|edge| Edge { a: edge.ends[0], b: edge.ends[1], stamp: 0, second: false }));
-        Ok(aux)
+        Ok(Aux {
+            metric: self.metric.prepare(draft, &Boundary { edges: &boundary, weight: self.boundary_weight })?,
+            on_boundary,
+            coherent: edges.iter().all(|edge| edge.coherent),
+            stamps: if self.changes_prices() { vec![0; vertices] } else { Vec::new() },
+        })
     }
 
-    fn price(&self, draft: &Draft<3>, aux: &Aux, site: Edge) -> Option<f64> {
+    fn price(&self, draft: &Draft<3>, aux: &Self::Aux, site: Edge) -> Option<f64> {
         if aux.is_stale(draft, site) {
             return None;
         }
-        let quadric = aux.quadrics[site.a.index()] + aux.quadrics[site.b.index()];
-        Some(quadric.value(self.target(draft, aux, site, &quadric).position.as_dvec3()))
+        Some(self.target(draft, aux, site).offer.price)
     }
 
-    fn plan(&self, draft: &Draft<3>, aux: &Aux, site: Edge, plan: &mut Plan<3>) -> Result<(), Refusal> {
+    fn plan(&self, draft: &Draft<3>, aux: &Self::Aux, site: Edge, plan: &mut Plan<3>) -> Result<(), Refusal> {
         if aux.is_stale(draft, site) {
             return Err(Refusal::Stale);
         }
@@ -138,13 +136,13 @@ impl Operator<3> for EdgeCollapse {
             return Err(Refusal::Boundary);
         }
         legal::link_condition(&draft.complex, [site.a, site.b], boundary, aux.coherent, &mut plan.scratch)?;
-        let quadric = aux.quadrics[site.a.index()] + aux.quadrics[site.b.index()];
-        let target = self.target(draft, aux, site, &quadric);
-        plan.error = quadric.distance(target.position.as_dvec3()) as f32;
-        if !plan.error.is_finite() || !target.position.is_finite() {
+        let target = self.target(draft, aux, site);
+        let Offer { position, error, .. } = target.offer;
+        plan.error = error as f32;
+        if !plan.error.is_finite() || !position.is_finite() {
             return Err(Refusal::NotFinite);
         }
-        legal::fold_over(draft, [site.a, site.b], target.position, self.fold_cosine)?;
+        legal::fold_over(draft, [site.a, site.b], position, self.fold_cosine)?;
         fill(draft, site, &target, plan);
         Ok(())
     }
@@ -154,23 +152,25 @@ impl Operator<3> for EdgeCollapse {
         (folds && !site.second).then_some(Edge { second: true, ..site })
     }
 
-    fn applied(&self, draft: &Draft<3>, aux: &mut Aux, plan: &Plan<3>, again: &mut Vec<Edge>) {
-        let merged = match *plan.retired.as_slice() {
+    fn applied(&self, draft: &Draft<3>, aux: &mut Self::Aux, plan: &Plan<3>, again: &mut Vec<Edge>) {
+        let (ends, merged) = match *plan.retired.as_slice() {
             [a, b] => {
-                aux.quadrics.push(aux.quadrics[a.index()] + aux.quadrics[b.index()]);
                 aux.on_boundary.push(aux.on_boundary[a.index()] || aux.on_boundary[b.index()]);
                 aux.stamps.extend((!aux.stamps.is_empty()).then_some(0));
-                VertexId::new(aux.quadrics.len() - 1)
+                ([a, b], VertexId::new(aux.on_boundary.len() - 1))
             }
             [gone] => {
                 let kept = plan.kept.expect("a half-edge collapse keeps an end");
-                aux.quadrics[kept.index()] = aux.quadrics[kept.index()] + aux.quadrics[gone.index()];
                 aux.on_boundary[kept.index()] |= aux.on_boundary[gone.index()];
                 aux.stamps[kept.index()] += 1;
-                kept
+                ([kept, gone], kept)
             }
             _ => unreachable!("a collapse retires one vertex or two"),
         };
+        self.metric.merged(draft, &mut aux.metric, &Merge { ends, into: merged, error: plan.error });
+        if self.metric.sees_neighbours() {
+            return aux.edges_around(&draft.complex, merged, again);
+        }
         // Around an inner vertex of a coherently oriented mesh each neighbour comes first in one triangle.
         let each_once = aux.coherent && !aux.on_boundary[merged.index()];
         let from = again.len();
@@ -188,40 +188,41 @@ impl Operator<3> for EdgeCollapse {
     }
 }
 
-/// Where a collapse leads: a position, and the end that stays there, if one does.
+/// Where a collapse leads: an offer of the metric, and the end that stays, if one does.
 #[derive(Copy, Clone, Debug)]
 struct Target {
-    position: Vec3,
+    offer: Offer,
     kept: Option<VertexId>,
 }
 
-impl EdgeCollapse {
-    fn target(&self, draft: &Draft<3>, aux: &Aux, site: Edge, quadric: &Quadric) -> Target {
-        let ends = [site.a, site.b].map(|v| draft.positions[v.index()]);
+impl<M: Metric> EdgeCollapse<M> {
+    fn target(&self, draft: &Draft<3>, aux: &Aux<M::State>, site: Edge) -> Target {
+        let ends = [site.a, site.b];
+        let pair = self.metric.pair(draft, &aux.metric, ends);
+        let offer = |place| self.metric.offer(draft, ends, &pair, place);
+        let at_end = |end: usize| offer([Place::First, Place::Second][end]);
         if let Some(locked) = self.locked_end(aux, site) {
-            let kept = [site.a, site.b][locked];
-            return Target { position: ends[locked], kept: Some(kept) };
+            return Target { offer: at_end(locked), kept: Some(ends[locked]) };
         }
         match self.placement {
             Placement::End => {
-                let cheaper = usize::from(quadric.value(ends[1].as_dvec3()) < quadric.value(ends[0].as_dvec3()));
+                let offers = [at_end(0), at_end(1)];
+                let cheaper = usize::from(offers[1].price < offers[0].price);
                 let chosen = if site.second { 1 - cheaper } else { cheaper };
-                Target { position: ends[chosen], kept: Some([site.a, site.b][chosen]) }
+                Target { offer: offers[chosen], kept: Some(ends[chosen]) }
             }
-            Placement::Optimal if site.second => Target { position: ends[0].midpoint(ends[1]), kept: None },
-            Placement::Optimal => {
-                Target { position: optimal(ends.map(|p| p.as_dvec3()), quadric).as_vec3(), kept: None }
-            }
+            Placement::Optimal if site.second => Target { offer: offer(Place::Middle), kept: None },
+            Placement::Optimal => Target { offer: offer(Place::Best), kept: None },
         }
     }
 
-    /// Whether a vertex may outlive a collapse of one of its edges, whose price then changes.
-    fn keeps_ends(&self) -> bool {
-        self.placement == Placement::End || self.boundary == BoundaryRule::Locked
+    /// Whether the price of an edge may change while both of its ends are there.
+    fn changes_prices(&self) -> bool {
+        self.placement == Placement::End || self.boundary == BoundaryRule::Locked || self.metric.sees_neighbours()
     }
 
     /// Which end may not move, under the locked boundary rule.
-    fn locked_end(&self, aux: &Aux, site: Edge) -> Option<usize> {
+    fn locked_end(&self, aux: &Aux<M::State>, site: Edge) -> Option<usize> {
         if self.boundary == BoundaryRule::Weighted {
             return None;
         }
@@ -229,14 +230,7 @@ impl EdgeCollapse {
     }
 }
 
-/// The quadric's minimum if it is near the edge, else the best point of the edge.
-fn optimal([a, b]: [DVec3; 2], quadric: &Quadric) -> DVec3 {
-    // Planes that are nearly parallel pin their meeting point down badly; it may be far away.
-    let near = |p: &DVec3| p.distance_squared((a + b) * 0.5) <= 4.0 * a.distance_squared(b);
-    quadric.minimum().filter(near).unwrap_or_else(|| quadric.minimum_on(a, b))
-}
-
-impl Aux {
+impl<S> Aux<S> {
     fn is_stale(&self, draft: &Draft<3>, site: Edge) -> bool {
         !draft.complex.has_star(site.a) || !draft.complex.has_star(site.b) || self.stamp(site.a, site.b) != site.stamp
     }
@@ -248,6 +242,21 @@ impl Aux {
 
     fn edge(&self, u: VertexId, v: VertexId) -> Edge {
         Edge { a: u.min(v), b: u.max(v), stamp: self.stamp(u, v), second: false }
+    }
+
+    /// The edges at `v` and at each of its neighbours, all of which have a new price, with new stamps.
+    fn edges_around(&mut self, complex: &Complex<3>, v: VertexId, again: &mut Vec<Edge>) {
+        let (mut near, mut far) = (Vec::new(), Vec::new());
+        complex.neighbours(v, &mut near);
+        for w in &near {
+            self.stamps[w.index()] = self.stamps[w.index()].wrapping_add(1);
+        }
+        for &w in &near {
+            complex.neighbours(w, &mut far);
+            again.extend(far.iter().map(|&x| self.edge(w, x)));
+        }
+        again.sort_unstable();
+        again.dedup();
     }
 }
 
@@ -278,7 +287,7 @@ fn fill(draft: &Draft<3>, site: Edge, target: &Target, plan: &mut Plan<3>) {
     plan.retired.extend_from_slice(gone);
     plan.kept = target.kept;
     if target.kept.is_none() {
-        plan.vertices.push(target.position);
+        plan.vertices.push(target.offer.position);
     }
 }
 

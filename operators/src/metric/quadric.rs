@@ -4,7 +4,11 @@
 //! `sqrt(value / weight)` is a root mean square distance in model units. Deviation from the paper: planes are weighted
 //! by area (as in Garland's thesis), boundary planes by squared length times a factor that the caller chooses.
 
-use glam::DVec3;
+use super::{Boundary, Merge, Metric, Offer, Place, ends_of, fixed, put};
+use glam::{DVec3, Vec3};
+use mt_core::VertexId;
+use mt_core::analysis::{Draft, Unfit};
+use mt_core::mesh::area_vector;
 use std::ops::{Add, AddAssign};
 
 /// Sum of weighted squared distances to planes: `p A p + 2 b p + c`. 88 bytes.
@@ -34,7 +38,7 @@ impl Quadric {
 
     /// The area of a triangle times the squared distance to its plane; nothing for a triangle without area.
     pub fn of_triangle(corners: [DVec3; 3]) -> Self {
-        let vector = mt_core::mesh::area_vector(corners);
+        let vector = area_vector(corners);
         let double_area = vector.length();
         match vector.try_normalize() {
             Some(normal) => Self::of_plane(corners[0], normal, double_area * 0.5),
@@ -102,6 +106,68 @@ impl Quadric {
             a.lerp(b, 0.5)
         }
     }
+}
+
+/// The metric of `[GarlandHeckbert1997]`: each vertex has the sum of the quadrics of its triangles, two that become one
+/// add theirs up, and the best place is where the sum is least. The error is the root mean square distance to the planes
+/// of the sum; it may fall from one collapse to the next.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub struct Quadrics;
+
+impl Metric for Quadrics {
+    type State = Vec<Quadric>;
+    type Pair = Quadric;
+
+    fn name(&self) -> &'static str {
+        "quadric"
+    }
+
+    fn prepare(&self, draft: &Draft<3>, boundary: &Boundary<'_>) -> Result<Vec<Quadric>, Unfit> {
+        let corners = |cell: [VertexId; 3]| cell.map(|v| draft.positions[v.index()].as_dvec3());
+        let mut quadrics = vec![Quadric::default(); draft.positions.len()];
+        for (_, &cell) in draft.complex.cells() {
+            let quadric = Quadric::of_triangle(corners(cell));
+            for v in cell {
+                quadrics[v.index()] += quadric;
+            }
+        }
+        for edge in boundary.edges {
+            let [a, b] = edge.ends.map(|v| draft.positions[v.index()].as_dvec3());
+            let quadric = Quadric::of_boundary_edge(a, b, area_vector(corners(edge.cell)), boundary.weight);
+            for v in edge.ends {
+                quadrics[v.index()] += quadric;
+            }
+        }
+        Ok(quadrics)
+    }
+
+    #[inline]
+    fn pair(&self, _: &Draft<3>, quadrics: &Vec<Quadric>, ends: [VertexId; 2]) -> Quadric {
+        quadrics[ends[0].index()] + quadrics[ends[1].index()]
+    }
+
+    #[inline]
+    fn offer(&self, draft: &Draft<3>, ends: [VertexId; 2], quadric: &Quadric, place: Place) -> Offer {
+        let ends = ends_of(draft, ends);
+        let position = fixed(ends, place).unwrap_or_else(|| optimal(ends, quadric));
+        let at = position.as_dvec3();
+        Offer { position, price: quadric.value(at), error: quadric.distance(at) }
+    }
+
+    fn merged(&self, _: &Draft<3>, quadrics: &mut Vec<Quadric>, merge: &Merge) {
+        let [a, b] = merge.ends;
+        let sum = quadrics[a.index()] + quadrics[b.index()];
+        put(quadrics, merge.into, sum);
+    }
+}
+
+/// The quadric's minimum if it is near the ends, else the best point between them.
+#[inline]
+fn optimal(ends: [Vec3; 2], quadric: &Quadric) -> Vec3 {
+    let [a, b] = ends.map(|p| p.as_dvec3());
+    // Planes that are nearly parallel pin their meeting point down badly; it may be far away.
+    let near = |p: &DVec3| p.distance_squared((a + b) * 0.5) <= 4.0 * a.distance_squared(b);
+    quadric.minimum().filter(near).unwrap_or_else(|| quadric.minimum_on(a, b)).as_vec3()
 }
 
 impl Add for Quadric {
