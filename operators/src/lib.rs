@@ -9,6 +9,7 @@
 //! |---|---|
 //! | [`EdgeCollapse::FULL`] | an edge becomes a new vertex, where the metric likes it best |
 //! | [`EdgeCollapse::HALF`] | an edge becomes one of its ends; no vertex is made |
+//! | [`VertexPair`] | two vertices become a new one, joined by an edge or not: topology is coarsened too |
 //!
 //! | metric | what it measures |
 //! |---|---|
@@ -29,5 +30,7 @@
 
 pub mod edge_collapse;
 pub mod metric;
+pub mod vertex_pair;
 
 pub use edge_collapse::EdgeCollapse;
+pub use vertex_pair::VertexPair;

@@ -12,7 +12,7 @@ mod oracle;
 mod steps;
 
 pub use crate::random::Random;
-pub use conformity::{Content, Domain, Moved, cells, conformity, plan, saturation};
+pub use conformity::{Content, Domain, Moved, cells, conformity, conformity_of_quotient, plan, saturation};
 pub use fronts::random_front;
 pub use mesh::crack_free;
 pub use mirror::Mirror;

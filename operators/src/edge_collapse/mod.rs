@@ -6,7 +6,7 @@
 //! position. Deviation from `[GarlandHeckbert1997]`: every collapse of a full edge makes a new vertex id, so an edge's
 //! price holds as long as the edge does and nothing in the queue needs a stamp, unless the metric sees neighbours.
 
-mod legal;
+pub(crate) mod legal;
 mod manifold;
 
 use crate::metric::{Boundary, BoundaryEdge, Merge, Metric, Offer, Place, Quadrics};
