@@ -29,7 +29,7 @@ impl Default for VirtualEdges {
 /// They are the edges of the Gabriel graph of the vertices on boundaries of patches, up to the length that `options`
 /// sets. Of vertices in the same place the first stands for all in that graph, and is joined to each of the others.
 /// Vertices without a triangle, or without a finite position, have none.
-/// O(triangles × rounds of patch growing + boundary vertices × vertices within the length).
+/// O(triangles × rounds of patch growing), and about O(boundary vertices × log) for the graph.
 pub fn virtual_edges(mesh: &Mesh<3>, options: &VirtualEdges) -> Vec<[VertexId; 2]> {
     let length = options.distance * mesh.diagonal();
     if length.is_nan() || length < 0.0 {
