@@ -6,7 +6,7 @@ use mt_core::analysis::{Analysis, Draft, Operator, Options, simplify};
 use mt_core::check::{self, Random};
 use mt_core::format::{self, Format};
 use mt_core::model::{MultiTessellation, Step, cells_of, take};
-use mt_core::{ErrorKind, Explicit, Mesh, NodeId, generate};
+use mt_core::{CellId, ErrorKind, Explicit, Mesh, NodeId, Recorder, generate};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 
@@ -384,6 +384,86 @@ fn vertices_in_one_place_are_joined_once() {
     let mesh = Mesh::from_indices(positions, &[[0, 1, 2], [3, 4, 5], [6, 7, 8]]);
     let edges = virtual_edges(&mesh, &VirtualEdges { normal_threshold: 0.1, distance: 0.0 });
     assert_eq!(edges, [[VertexId(0), VertexId(3)], [VertexId(0), VertexId(6)]]);
+}
+
+#[test]
+fn the_law_of_quotients_sees_a_tear_and_no_more() {
+    // Topology changes, so the law of manifolds fails where the law of quotients holds.
+    let mesh = cubes_with_a_gap();
+    let model = run(&mesh, &VertexPair { preference: Preference::Equal, fold_cosine: None, ..GEOMETRY }).model;
+    assert!(check::conformity(&model).is_err());
+    assert!(check::conformity_of_quotient(&model).is_ok());
+    // A tear: of four triangles around a vertex, one moves its corner and the others do not.
+    let middle = vec![Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y, vec3(0.5, 0.5, 0.0)];
+    let square = Mesh::from_indices(middle, &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]);
+    let mut recorder = Recorder::new(&square).unwrap();
+    recorder.kill(CellId(0)).unwrap();
+    let moved = recorder.vertex(vec3(0.5, 0.4, 0.0)).unwrap();
+    recorder.make([VertexId(0), VertexId(1), moved]).unwrap();
+    recorder.end(0.1).unwrap();
+    let torn = recorder.finish(ErrorKind::Measured).unwrap();
+    assert_eq!(check::conformity_of_quotient(&torn).unwrap_err().law, check::Law::Conformity);
+}
+
+/// Quadrics that say of themselves that they see neighbours, so prices are asked for again as these move.
+struct Seeing;
+
+impl Metric for Seeing {
+    type State = <Quadrics as Metric>::State;
+    type Pair = <Quadrics as Metric>::Pair;
+
+    fn name(&self) -> &'static str {
+        "seeing"
+    }
+
+    fn sees_neighbours(&self) -> bool {
+        true
+    }
+
+    fn prepare(&self, draft: &Draft<3>, boundary: &Boundary<'_>) -> Result<Self::State, Unfit> {
+        Quadrics.prepare(draft, boundary)
+    }
+
+    fn pair(&self, draft: &Draft<3>, state: &Self::State, ends: [VertexId; 2]) -> Self::Pair {
+        Quadrics.pair(draft, state, ends)
+    }
+
+    fn offer(&self, draft: &Draft<3>, ends: [VertexId; 2], pair: &Self::Pair, place: Place) -> Offer {
+        Quadrics.offer(draft, ends, pair, place)
+    }
+
+    fn merged(&self, draft: &Draft<3>, state: &mut Self::State, merge: &Merge) {
+        Quadrics.merged(draft, state, merge);
+    }
+}
+
+#[test]
+fn a_metric_that_sees_neighbours_is_asked_again() {
+    let mesh = cubes_with_a_gap();
+    for preference in [Preference::GeometryFirst, Preference::Equal] {
+        let plain = VertexPair { preference, ..GEOMETRY };
+        let analysis = simplify(&mesh, &plain.with(Seeing), &Options::default(), &mut |_| true).unwrap();
+        assert_eq!(components(base_cells(&analysis.model)).len(), 1);
+        assert_eq!(laws(&mesh, &analysis.model, 10, 7), Ok(()));
+    }
+    // After a merge there is a site that is not stale for every pair that can be seen.
+    let operator = FREE.with(Seeing);
+    let (mut draft, mut sites) = (Draft::new(&mesh), Vec::new());
+    let mut aux = operator.prepare(&draft, &mut sites).unwrap();
+    let mut plan = Plan::default();
+    for _ in 0..20 {
+        let fresh = |site: &Pair| operator.price(&draft, &aux, *site).is_some();
+        sites.retain(fresh);
+        let listed: BTreeSet<_> = sites.iter().map(|site| [site.a, site.b]).collect();
+        let rows = aux.partners.iter().enumerate();
+        let pairs = rows.flat_map(|(a, row)| row.iter().map(move |&b| [VertexId::new(a), b])).filter(|[a, b]| a < b);
+        let seen = pairs.filter(|pair| pair.iter().any(|&v| draft.complex.has_star(v)));
+        assert_eq!(listed, seen.collect());
+        plan.clear();
+        operator.plan(&draft, &aux, sites[sites.len() / 2], &mut plan).unwrap();
+        draft.apply(&plan, &mut Vec::new());
+        operator.applied(&draft, &mut aux, &plan, &mut sites);
+    }
 }
 
 /// Real models, where `MT_DATA` names a folder of them. `MT_FRONTS` says how many fronts are judged.
