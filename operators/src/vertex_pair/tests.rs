@@ -493,6 +493,9 @@ fn real_models_of_many_parts() {
             println!("  {preference:?}: {pairs} virtual edges in {found:.2} s, model in {built:.2} s");
             println!("    {} nodes, base of {} triangles, {few} components", model.len(), model.base_cells().len());
             println!("    refusals {:?}", analysis.refusals.iter().collect::<Vec<_>>());
+            let options = Options { until_cells: Some(mesh.cell_count() as u32 / 20), ..Options::default() };
+            let twentieth = simplify(&mesh, &operator, &options, &mut |_| true).unwrap().model;
+            println!("    {} components at a twentieth of the triangles", components(base_cells(&twentieth)).len());
             assert!(few <= many);
             if let Err(breach) = laws(&mesh, model, fronts, 6) {
                 panic!("{name}: {breach}");
