@@ -3,6 +3,7 @@
 use crate::edge_collapse::EdgeCollapse;
 use crate::fan_merge::FanMerge;
 use crate::metric::{AnyMetric, Metric, Quadrics};
+use crate::vertex_pair::VertexPair;
 use mt_core::analysis::{AnalysisError, Ended, Listener, Operator, Options, Progress, analyse};
 use mt_core::{Mesh, VertexId};
 use std::str::FromStr;
@@ -12,25 +13,29 @@ use std::str::FromStr;
 pub enum AnyOperator {
     /// Full or half-edge collapse.
     EdgeCollapse(EdgeCollapse<AnyMetric>),
+    /// Collapse of any two vertices that are near.
+    VertexPair(VertexPair<AnyMetric>),
     /// Fan-merge, which brings its own metric.
     FanMerge(FanMerge),
 }
 
 impl AnyOperator {
     /// The names of the operators; after those that take one, a slash and a metric may follow.
-    pub const NAMES: [&str; 3] = ["edge-collapse", "half-edge-collapse", "fan-merge"];
+    pub const NAMES: [&str; 4] = ["edge-collapse", "half-edge-collapse", "vertex-pair", "fan-merge"];
 
     /// Its name, with the metric where that is not the quadric.
     pub fn name(&self) -> String {
         match self {
             Self::EdgeCollapse(collapse) => with_metric(Operator::name(collapse), &collapse.metric),
+            Self::VertexPair(pair) => with_metric(Operator::name(pair), &pair.metric),
             Self::FanMerge(fan) => Operator::name(fan).to_owned(),
         }
     }
 
     /// The virtual edges between vertices of `mesh` by which this operator merges what is no neighbour.
-    pub fn pairs(&self, _mesh: &Mesh<3>) -> Vec<[VertexId; 2]> {
+    pub fn pairs(&self, mesh: &Mesh<3>) -> Vec<[VertexId; 2]> {
         match self {
+            Self::VertexPair(pair) => pair.pairs(mesh),
             Self::EdgeCollapse(_) | Self::FanMerge(_) => Vec::new(),
         }
     }
@@ -49,6 +54,10 @@ impl AnyOperator {
                 analyse(mesh, &collapse.clone().with(Quadrics), options, listener, watch)
             }
             Self::EdgeCollapse(collapse) => analyse(mesh, collapse, options, listener, watch),
+            Self::VertexPair(pair) if pair.metric == AnyMetric::Quadric(Quadrics) => {
+                analyse(mesh, &pair.clone().with(Quadrics), options, listener, watch)
+            }
+            Self::VertexPair(pair) => analyse(mesh, pair, options, listener, watch),
             Self::FanMerge(fan) => analyse(mesh, fan, options, listener, watch),
         }
     }
@@ -88,6 +97,7 @@ impl FromStr for AnyOperator {
         match operator {
             "edge-collapse" => Ok(Self::EdgeCollapse(EdgeCollapse::FULL.with(chosen))),
             "half-edge-collapse" => Ok(Self::EdgeCollapse(EdgeCollapse::HALF.with(chosen))),
+            "vertex-pair" => Ok(Self::VertexPair(VertexPair::default().with(chosen))),
             "fan-merge" if metric.is_some() => Err(UnknownOperator::OwnMetric(operator.to_owned())),
             "fan-merge" => Ok(Self::FanMerge(FanMerge::PARTIAL)),
             _ => Err(UnknownOperator::Operator(operator.to_owned())),

@@ -10,6 +10,7 @@
 //! | [`EdgeCollapse::FULL`] | an edge becomes a new vertex, where the metric likes it best |
 //! | [`EdgeCollapse::HALF`] | an edge becomes one of its ends; no vertex is made |
 //! | [`FanMerge::PARTIAL`] | all vertices around one, or as many as can go, are merged into it |
+//! | [`VertexPair`] | two vertices become a new one, joined by an edge or not: topology is coarsened too |
 //!
 //! | metric | what it measures |
 //! |---|---|
@@ -39,7 +40,9 @@ pub mod edge_collapse;
 pub mod fan_merge;
 pub mod metric;
 pub mod order;
+pub mod vertex_pair;
 
 pub use catalogue::{AnyOperator, UnknownOperator};
 pub use edge_collapse::EdgeCollapse;
 pub use fan_merge::FanMerge;
+pub use vertex_pair::VertexPair;

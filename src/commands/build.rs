@@ -11,6 +11,7 @@ use mt_core::{ErrorKind, Mesh, MultiTessellation, Recorder, RefusalCounts, histo
 use operators::AnyOperator;
 use operators::edge_collapse::BoundaryRule;
 use operators::fan_merge::BelowStall;
+use operators::vertex_pair::Preference;
 use serde_json::json;
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
@@ -30,6 +31,9 @@ pub struct Build {
     /// Fan-merge: what to do when no legal full fan is left
     #[arg(long, value_enum, value_name = "WHAT", conflicts_with = "history")]
     below_stall: Option<Stall>,
+    /// Vertex-pair: what comes first
+    #[arg(long, value_enum, value_name = "WHAT", conflicts_with = "history")]
+    preference: Option<Preferred>,
     /// Replay this history instead of coarsening
     #[arg(long, value_name = "H.jsonl")]
     history: Option<PathBuf>,
@@ -73,6 +77,14 @@ enum Stall {
     Collapse,
     /// End there
     Stop,
+}
+
+#[derive(ValueEnum, Clone, Copy)]
+enum Preferred {
+    /// All collapses that keep the topology come before any that do not
+    GeometryFirst,
+    /// The cheapest, whatever it does
+    Equal,
 }
 
 #[derive(ValueEnum, Clone, Copy)]
@@ -156,6 +168,18 @@ impl Build {
                 collapse.boundary = rule;
                 false
             }
+            AnyOperator::VertexPair(pair) => {
+                if rule == BoundaryRule::Locked {
+                    return Err(CommandError::Other(
+                        "--boundary locked is not for vertex-pair, which closes holes".into(),
+                    ));
+                }
+                pair.preference = match self.preference {
+                    None | Some(Preferred::GeometryFirst) => Preference::GeometryFirst,
+                    Some(Preferred::Equal) => Preference::Equal,
+                };
+                false
+            }
             AnyOperator::FanMerge(fan) => {
                 fan.boundary = rule;
                 fan.below_stall = match self.below_stall {
@@ -166,6 +190,9 @@ impl Build {
                 true
             }
         };
+        if self.preference.is_some() && !matches!(operator, AnyOperator::VertexPair(_)) {
+            return Err(CommandError::Other(format!("--preference is for vertex-pair, not for {operator}")));
+        }
         if self.below_stall.is_some() && !takes_stall {
             return Err(CommandError::Other(format!("--below-stall is for fan-merge, not for {operator}")));
         }

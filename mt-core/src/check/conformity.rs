@@ -74,8 +74,19 @@ impl<const N: usize> Domain<N> {
 /// facet has more than two cells on the way. Gives the domain.
 /// O(cells of all meshes).
 pub fn conformity<const N: usize>(model: &Explicit<N>) -> Result<Domain<N>, Breach> {
+    conformity_on(model, super::mesh::domain_of(&model.reference()))
+}
+
+/// [`conformity`] for a model whose modifications may change the topology, as vertex-pair collapses do: they lay any
+/// number of cells onto a facet, and cells of any orientation side by side. What is left of the law is the boundary: a
+/// facet with an odd number of cells is boundary of the reference, or of what the modifications make of that.
+pub fn conformity_of_quotient<const N: usize>(model: &Explicit<N>) -> Result<Domain<N>, Breach> {
+    let domain = super::mesh::domain_of(&model.reference());
+    conformity_on(model, Domain { manifold: false, oriented: false, ..domain })
+}
+
+fn conformity_on<const N: usize>(model: &Explicit<N>, mut domain: Domain<N>) -> Result<Domain<N>, Breach> {
     let reference = model.reference();
-    let mut domain = super::mesh::domain_of(&reference);
     let mut count: FxHashMap<Facet<N>, i32> = FxHashMap::default();
     for &cell in model.base_cells() {
         for (facet, _) in facets(model.corners(cell)) {

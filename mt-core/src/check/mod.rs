@@ -13,7 +13,9 @@ mod quotient;
 mod steps;
 
 pub use crate::random::Random;
-pub use conformity::{Content, Domain, Moved, cells, conformity, forest_saturation, plan, saturation};
+pub use conformity::{
+    Content, Domain, Moved, cells, conformity, conformity_of_quotient, forest_saturation, plan, saturation,
+};
 pub use fronts::random_front;
 pub use mesh::crack_free;
 pub use mirror::Mirror;

@@ -7,7 +7,7 @@ use mt_core::{Complex, Refusal, VertexId};
 
 /// The link condition for an edge of a manifold: `Lk(u) ∩ Lk(v) = Lk(uv)`, in vertices and in edges, with a cone vertex
 /// over the boundary (`[DeyEdelsbrunner1999]`). O(degree of u × degree of v).
-pub(super) fn link_condition(
+pub(crate) fn link_condition(
     complex: &Complex<3>,
     [u, v]: [VertexId; 2],
     on_boundary: [bool; 2],
@@ -92,7 +92,7 @@ fn has_triangle(complex: &Complex<3>, u: VertexId, a: VertexId, b: VertexId) -> 
 }
 
 /// Refuses when a triangle of either star that survives would turn by more than the cosine allows, or lose its area.
-pub(super) fn fold_over(draft: &Draft<3>, ends: [VertexId; 2], position: Vec3, cosine: f64) -> Result<(), Refusal> {
+pub(crate) fn fold_over(draft: &Draft<3>, ends: [VertexId; 2], position: Vec3, cosine: f64) -> Result<(), Refusal> {
     for end in ends {
         let [old, new] = [draft.positions[end.index()], position].map(|p| p.as_dvec3());
         if old == new {
