@@ -4,13 +4,16 @@ use mt_core::check::Law;
 use mt_core::generate::{self, Named};
 use mt_core::hierarchy::Dependency;
 use mt_core::hierarchy::VertexMesh;
-use mt_core::model::MultiTessellation;
+use mt_core::model::{MultiTessellation, cells_of};
 use mt_core::random::Random;
 use mt_core::{Coarsen, Front, Hierarchy, NodeId, Order, Replay, Rule, View, check};
-use mt_tests::both_of;
+use mt_tests::{both_of, replay_of};
 use multi_tessellation::verify;
-use operators::EdgeCollapse;
+use operators::fan_merge::BelowStall;
+use operators::metric::{AnyMetric, Quadrics};
 use operators::order::{DualPieceFree, ImplicitIds, Scheme, Stored, StoredIds};
+use operators::vertex_pair::Preference;
+use operators::{AnyOperator, EdgeCollapse, FanMerge, VertexPair};
 use proptest::prelude::*;
 use selective::State;
 use std::sync::Arc;
@@ -42,6 +45,67 @@ proptest! {
         let (_, replay) = both_of(&mesh, if half { &EdgeCollapse::HALF } else { &EdgeCollapse::FULL });
         all_laws(&name, &replay, seed, 8);
     }
+}
+
+fn fan(below_stall: BelowStall) -> AnyOperator {
+    AnyOperator::FanMerge(FanMerge { below_stall, ..FanMerge::PARTIAL })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_law_holds_for_fans(mesh_seed in any::<u64>(), below in 0usize..3, seed in any::<u64>()) {
+        let Named { name, mesh } = generate::random_mesh(mesh_seed);
+        let below = [BelowStall::Partial, BelowStall::Collapse, BelowStall::Stop][below];
+        all_laws(&name, &replay_of(&mesh, &fan(below)), seed, 8);
+    }
+
+    #[test]
+    fn every_law_holds_for_pairs(mesh_seed in any::<u64>(), equal in any::<bool>(), seed in any::<u64>()) {
+        let Named { name, mesh } = generate::random_mesh(mesh_seed);
+        let preference = if equal { Preference::Equal } else { Preference::GeometryFirst };
+        let quadric = AnyMetric::Quadric(Quadrics);
+        let operator = AnyOperator::VertexPair(VertexPair { preference, ..VertexPair::default() }.with(quadric));
+        let replay = replay_of(&mesh, &operator);
+        for stored in [Stored::explicit(&replay), Stored::one_ring(&replay)] {
+            laws_hold(&name, &replay, stored, seed, 8);
+        }
+        laws_hold(&name, &replay, ImplicitIds, seed, 8);
+    }
+}
+
+#[test]
+fn a_fan_is_one_step_or_a_run_of_steps() {
+    // Whole runs in the order of analysis, and the same nodes one by one in the midst of others: one mesh.
+    let mesh = generate::bumpy_sphere(3, 0.1, 6);
+    let replay = replay_of(&mesh, &fan(BelowStall::Partial));
+    assert!(!replay.is_single() && replay.merge_count() * 3 < replay.len());
+    let order = Stored::dual_piece(&replay).unwrap();
+    let model = Hierarchy { replay: Arc::clone(&replay), dependency: order };
+    let mut random = Random::new(2);
+    let mut state = State::new(&model, ());
+    for _ in 0..200 {
+        let m = NodeId::new(random.below(model.len() as usize));
+        state.force(&model, m);
+        assert_eq!(cells_of(&model, &state.view.mesh), check::quotient(&replay, state.front()));
+    }
+    let partial = (0..replay.merge_count()).filter(|&merge| {
+        let (first, last) = replay.run_of(merge).into_inner();
+        state.front().is_refined(last) && !state.front().is_refined(first)
+    });
+    assert!(partial.count() > 5, "no fan is merged in part");
+}
+
+#[test]
+fn schemes_that_cut_refuse_pairs() {
+    let boxes = generate::components(&[generate::octahedron(), generate::octahedron()]);
+    let replay = replay_of(&boxes, &"vertex-pair".parse().unwrap());
+    for scheme in [Scheme::FourFace, Scheme::DualPiece, Scheme::CutPair] {
+        let refused = scheme.stored(&replay).unwrap_err().to_string();
+        assert!(refused.contains("does not take this sequence"), "{refused}");
+    }
+    assert!(DualPieceFree::new(&replay).is_err());
 }
 
 /// A random wish, and what forcing it makes of the base mesh.

@@ -91,7 +91,7 @@ impl<'a, D: Dependency + Send> Laws<'a, D> {
         held(summary, Law::Ends);
         // Pairs sew sheets together, so what their meshes are is for the quotient and the boundary's image to say.
         let mut domain = Domain { content: None, ..Domain::of_mesh(&reference) };
-        if is_pairwise(model) {
+        if !replay.is_manifold() {
             (domain.manifold, domain.oriented) = (false, false);
         }
         Ok(Self { model, order, domain })
@@ -151,12 +151,6 @@ impl<'a, D: Dependency + Send> Laws<'a, D> {
         approach(self.model, front, &mut state);
         self.at(&mut state.view, &mut case.clone(), &mut Summary::new()).err()
     }
-}
-
-/// Whether vertices merge that are no neighbours, or more than two triangles die at a merge.
-fn is_pairwise<D>(model: &Hierarchy<D>) -> bool {
-    let replay = &model.replay;
-    !replay.pairs().is_empty() || (0..replay.len()).any(|m| !(1..=2).contains(&replay.born(NodeId(m)).len()))
 }
 
 /// The mesh of a front that steps of refinement reach from the base mesh.

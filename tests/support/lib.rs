@@ -8,7 +8,7 @@ pub use tetrahedral::VertexIntoNeighbour;
 
 use mt_core::analysis::{Operator, Options, analyse, simplify};
 use mt_core::{Explicit, Mesh, Recorder, Replay, Sequence};
-use operators::EdgeCollapse;
+use operators::{AnyOperator, EdgeCollapse};
 use std::sync::Arc;
 
 /// The model of a mesh, coarsened to the end.
@@ -28,4 +28,14 @@ pub fn both_of<O: Operator<3>>(mesh: &Mesh<3>, operator: &O) -> (Explicit<3>, Ar
     analyse(mesh, operator, &Options::default(), &mut listener, &mut |_| true).expect("the operator takes the mesh");
     let model = listener.0.finish(Default::default()).expect("a history");
     (model, Arc::new(Replay::new(mesh, &[], &listener.1).expect("a sequence")))
+}
+
+/// The replay of an operator by name, with its virtual edges.
+///
+/// # Panics
+/// Where there is no such operator, or it does not take the mesh.
+pub fn replay_of(mesh: &Mesh<3>, operator: &AnyOperator) -> Arc<Replay> {
+    let mut sequence = Sequence::new(mesh);
+    operator.analyse(mesh, &Options::default(), &mut sequence, &mut |_| true).expect("the operator takes the mesh");
+    Arc::new(Replay::new(mesh, &operator.pairs(mesh), &sequence).expect("a sequence"))
 }

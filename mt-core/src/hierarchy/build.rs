@@ -54,13 +54,15 @@ pub enum HierarchyError {
     #[error(transparent)]
     Sequence(#[from] InvalidSequence),
     /// A scheme does not take this sequence.
-    #[error("{scheme} does not take this sequence: {why}; first nodes concerned: {places}")]
+    #[error("{scheme} does not take this sequence: {why}; {count} nodes sew or pinch, the first: {places}")]
     Unfit {
         /// The scheme.
         scheme: &'static str,
         /// What is in the way.
         why: &'static str,
-        /// The first few nodes.
+        /// How many nodes are concerned.
+        count: usize,
+        /// The first few of them.
         places: String,
     },
     /// An order lacks something that soundness needs.
@@ -104,6 +106,8 @@ impl Replay {
             base_cells: Vec::new(),
             base_pairs: Vec::new(),
             roots: Vec::new(),
+            sewn: Vec::new(),
+            is_manifold: true,
         };
         replay.coarsen_all();
         replay.saturate();
@@ -116,6 +120,9 @@ impl Replay {
     fn coarsen_all(&mut self) {
         let mut mesh = VertexMesh::of_input(self);
         let mut patch = PatchBound::default();
+        let mut link = Vec::new();
+        let used = |v: &VertexId| mesh.faces.has_star(*v);
+        self.is_manifold = (0..self.leaf_count()).map(VertexId).filter(used).all(|v| is_umbrella(&mesh, v, &mut link));
         let (mut starts, mut pair_starts) = (vec![0], vec![0]);
         let (mut born, mut born_pairs) = (Vec::with_capacity(self.cells.len()), Vec::with_capacity(self.pairs.len()));
         for m in (0..self.len()).map(NodeId) {
@@ -129,6 +136,9 @@ impl Replay {
             for (start, cells) in [(&mut starts, &mut born), (&mut pair_starts, &mut born_pairs)] {
                 cells[start[m.index()] as usize..].sort_unstable();
                 start.push(cells.len() as u32);
+            }
+            if !is_umbrella(&mesh, self.vertex(m), &mut link) {
+                self.sewn.push(m);
             }
             let cone = patch.cone_after(self, &mesh, m).union(of_patch.1);
             let node = &mut self.nodes[m.index()];
@@ -150,6 +160,34 @@ impl Replay {
             node.radius = radius_around(above.center, above.radius, &own);
         }
     }
+}
+
+/// Whether the triangles around `v` form one fan, open or closed, of at least two different triangles where it is closed.
+/// O(star²), but for stars in order O(star).
+fn is_umbrella(mesh: &VertexMesh, v: VertexId, link: &mut Vec<[VertexId; 2]>) -> bool {
+    link.clear();
+    link.extend(mesh.faces.star(v).map(|(slot, i)| {
+        let cell = mesh.faces.cell(slot);
+        [cell[(i + 1) % 3], cell[(i + 2) % 3]]
+    }));
+    let Some(&[start, mut tip]) = link.first() else { return false };
+    let (mut back, mut at) = (start, 1);
+    // A chain of edges grows at its tip, and when that is stuck at its back.
+    while at < link.len() {
+        let next = (at..link.len()).find(|&i| link[i].contains(&tip));
+        let grown = next.or_else(|| (at..link.len()).find(|&i| link[i].contains(&back)));
+        let Some(i) = grown else { return false };
+        link.swap(at, i);
+        let [a, b] = link[at];
+        let end = if next.is_some() { &mut tip } else { &mut back };
+        *end = if a == *end { b } else { a };
+        at += 1;
+    }
+    // Each vertex of the link lies on two of its edges; on one at the ends of an open fan.
+    let mut ends: Vec<VertexId> = link.iter().flatten().copied().collect();
+    ends.sort_unstable();
+    let simple = ends.chunk_by(|a, b| a == b).all(|run| run.len() <= 2);
+    simple && !(link.len() == 2 && tip == back)
 }
 
 /// The least radius, rounded up, of a sphere about `center` that holds `inner`, not below `radius`.

@@ -72,11 +72,15 @@ impl VertexMesh {
         v
     }
 
-    /// The active vertex above an input vertex that is expected in one of these rings: O(rings) by spans, else O(depth).
+    /// The active vertex above an input vertex that is expected around one of these: O(rings) by spans, else O(depth).
     #[inline]
-    fn above_near(&self, replay: &Replay, leaf: VertexId, near: [VertexId; 2]) -> VertexId {
+    pub fn above_near(&self, replay: &Replay, leaf: VertexId, near: &[VertexId]) -> VertexId {
+        // The span of a fan that is merged in part takes in children that are vertices of their own; fan forests are low.
+        if !replay.is_single() {
+            return self.above(replay, leaf);
+        }
         let rank = replay.rank(leaf);
-        let found = near.into_iter().flat_map(|v| self.ring(v)).find(|&w| replay.span(w).contains(rank));
+        let found = near.iter().flat_map(|&v| self.ring(v)).find(|&w| replay.span(w).contains(rank));
         found.unwrap_or_else(|| self.above(replay, leaf))
     }
 
@@ -90,8 +94,9 @@ impl VertexMesh {
             |slot, corners| sink.relabel(CellId(slot), *corners),
         );
         for &cell in replay.born(m) {
-            let corners = replay.cells[cell.index()]
-                .map(|leaf| split.side(replay, leaf).unwrap_or_else(|| self.above_near(replay, leaf, [child, center])));
+            let corners = replay.cells[cell.index()].map(|leaf| {
+                split.side(replay, leaf).unwrap_or_else(|| self.above_near(replay, leaf, &[child, center]))
+            });
             self.faces.put(cell.0, corners);
             sink.make(cell, corners);
         }

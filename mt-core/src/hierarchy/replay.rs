@@ -136,6 +136,8 @@ pub struct Replay {
     pub(super) base_cells: Vec<(CellId, Cell<3>)>,
     pub(super) base_pairs: Vec<(CellId, Cell<2>)>,
     pub(super) roots: Vec<NodeId>,
+    pub(super) sewn: Vec<NodeId>,
+    pub(super) is_manifold: bool,
 }
 
 impl Replay {
@@ -242,6 +244,16 @@ impl Replay {
     #[inline]
     pub fn merged_at(&self, v: VertexId) -> NodeId {
         self.merged_at[v.index()]
+    }
+
+    /// Whether the input is a manifold and stays one at every merge.
+    pub fn is_manifold(&self) -> bool {
+        self.is_manifold && self.sewn.is_empty()
+    }
+
+    /// The nodes that sew sheets together or pinch them: those whose merged vertex is not the centre of one umbrella.
+    pub fn sewn(&self) -> &[NodeId] {
+        &self.sewn
     }
 
     /// The nodes without a parent.
@@ -358,7 +370,10 @@ impl Replay {
             ("triangles of each node", self.born.bytes()),
             ("virtual edges", 8 * self.pairs.len() + self.born_pairs.bytes()),
             ("kept centres", 8 * self.kept.words().len()),
-            ("base mesh", 16 * self.base_cells.len() + 12 * self.base_pairs.len() + 4 * self.roots.len()),
+            (
+                "base mesh",
+                16 * self.base_cells.len() + 12 * self.base_pairs.len() + 4 * (self.roots.len() + self.sewn.len()),
+            ),
         ]
     }
 

@@ -118,21 +118,20 @@ pub(super) fn dual_piece(replay: &Replay) -> Entries {
     entries
 }
 
-/// Schemes that cut a vertex along two edges take manifolds alone: at most two triangles die at a merge.
+/// Schemes that cut a vertex along two edges take manifolds that stay manifolds alone.
 pub(super) fn refuse_pairs(replay: &Replay, scheme: &'static str) -> Result<(), HierarchyError> {
-    let odd: Vec<NodeId> =
-        (0..replay.len()).map(NodeId).filter(|&m| !(1..=2).contains(&replay.born(m).len())).collect();
-    let why = if !replay.pairs().is_empty() {
-        "it has virtual edges, so vertices merge that are not neighbours"
-    } else if !odd.is_empty() {
-        "it has merges at which no triangle dies, or more than two"
+    let (nodes, why): (&[NodeId], &str) = if !replay.pairs().is_empty() {
+        (replay.sewn(), "it has virtual edges, so vertices merge that are not neighbours")
+    } else if !replay.sewn().is_empty() {
+        (replay.sewn(), "it has merges that sew sheets together or pinch them")
+    } else if !replay.is_manifold() {
+        (&[], "the input is not a manifold")
     } else {
         return Ok(());
     };
-    let places: Vec<String> =
-        odd.iter().take(5).map(|m| format!("{m} ({} triangles)", replay.born(*m).len())).collect();
+    let places: Vec<String> = nodes.iter().take(5).map(NodeId::to_string).collect();
     let places = if places.is_empty() { "none".to_owned() } else { places.join(", ") };
-    Err(HierarchyError::Unfit { scheme, why, places })
+    Err(HierarchyError::Unfit { scheme, why, count: nodes.len(), places })
 }
 
 /// The least and the largest id around each merged vertex at analysis.

@@ -23,9 +23,7 @@ impl DualPieceFree {
 fn cut_vertex(replay: &Replay, m: NodeId, view: &View<VertexMesh>, cell: CellId) -> Option<VertexId> {
     let own = replay.span_at(m);
     let leaf = *replay.cells()[cell.index()].iter().find(|&&leaf| !own.contains(replay.rank(leaf)))?;
-    let rank = replay.rank(leaf);
-    let near = view.mesh.ring(replay.vertex(m)).find(|&w| replay.span(w).contains(rank));
-    Some(near.unwrap_or_else(|| view.mesh.above(replay, leaf)))
+    Some(view.mesh.above_near(replay, leaf, &[replay.vertex(m)]))
 }
 
 impl Dependency for DualPieceFree {
