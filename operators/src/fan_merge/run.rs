@@ -438,8 +438,8 @@ fn remake_behind(draft: &Draft<3>, hub: VertexId, work: &Work, plan: &mut Plan<3
         if plan.makes.iter().any(|made| made.contains(&hub) && made.contains(c)) {
             continue;
         }
-        let behind = complex.star(hub).map(|(slot, _)| slot).filter(|&slot| complex.cell(slot).contains(c));
-        if let Some(slot) = behind.into_iter().find(|slot| !work.dying.contains(slot)) {
+        let mut beside = complex.star(hub).map(|(slot, _)| slot).filter(|&slot| complex.cell(slot).contains(c));
+        if let Some(slot) = beside.find(|slot| !work.dying.contains(slot)) {
             plan.kills.push(slot);
             plan.makes.push(*complex.cell(slot));
         }
