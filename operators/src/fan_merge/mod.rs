@@ -11,6 +11,8 @@
 //! - Full fans stall while many vertices are left. What happens then is [`BelowStall`].
 //! - Its quadrics are of unit planes of the triangles that a merge modifies, which is [`Planes::Current`] but for the
 //!   weights: ours are areas. By default quadrics are accumulated from the input, as `[GarlandHeckbert1997]` does.
+//! - That no full fan is left is told by trying each refused one once more before the first partial one; a fan that
+//!   becomes legal between those two is found later. Partial fans are priced as if all their children went.
 //! - The errors of a vertex need not grow, in its metric. Ours are root mean square distances in model units, of the
 //!   quadric that a prefix has gathered, and no less than what the vertex and those merged into it had before.
 

@@ -425,26 +425,23 @@ fn fill(draft: &Draft<3>, hub: VertexId, work: &mut Work, plan: &mut Plan<3>) {
     plan.kills.extend_from_slice(&work.dying);
 }
 
-/// Where a dying triangle `u hub c` has the boundary edge `u c`, the edge `hub c` becomes boundary, if `c` stays. As in a
-/// single collapse, the triangle behind it is made anew, so that it knows.
+/// Where a dying triangle has an edge `hub c`, `c` stays and no triangle with that edge is made, since all from there to
+/// the boundary die, the edge becomes boundary. As in a single collapse, the triangle behind it is made anew, so that it
+/// knows.
 fn remake_behind(draft: &Draft<3>, hub: VertexId, work: &Work, plan: &mut Plan<3>) {
     let complex = &draft.complex;
     for &dying in &work.dying {
         let cell = complex.cell(dying);
         let stays = cell.iter().find(|&&c| c != hub && !work.is_merged(c));
-        let Some(&c) = stays.filter(|_| cell.contains(&hub)) else { continue };
-        let Some(&u) = cell.iter().find(|&&u| work.is_merged(u)) else { continue };
-        if complex.edge_degree(u, c) > 1 {
+        let Some(c) = stays.filter(|_| cell.contains(&hub)) else { continue };
+        // One that was made anew already is on both sides.
+        if plan.makes.iter().any(|made| made.contains(&hub) && made.contains(c)) {
             continue;
         }
-        let behind = complex.star(hub).map(|(slot, _)| slot);
-        let behind = behind.filter(|slot| *slot != dying && complex.cell(*slot).contains(&c));
-        // One that dies has no need to know.
-        for slot in behind.filter(|slot| !work.dying.contains(slot)) {
-            if !plan.kills.contains(&slot) {
-                plan.kills.push(slot);
-                plan.makes.push(*complex.cell(slot));
-            }
+        let mut beside = complex.star(hub).map(|(slot, _)| slot).filter(|&slot| complex.cell(slot).contains(c));
+        if let Some(slot) = beside.find(|slot| !work.dying.contains(slot)) {
+            plan.kills.push(slot);
+            plan.makes.push(*complex.cell(slot));
         }
     }
 }

@@ -366,6 +366,19 @@ fn the_boundary_goes_along_the_boundary() {
 }
 
 #[test]
+fn open_meshes_keep_the_laws_whatever_wedge_they_lose() {
+    // A partial fan may take all triangles between an edge and the boundary; the one behind has to know.
+    for seed in 0..150 {
+        let mesh = generate::bumpy_grid(3 + seed % 5, 8 + seed % 7, 1.5, seed as u64);
+        let fan = FanMerge { planes: Planes::Current, weigh_degree: seed % 2 == 0, ..FanMerge::PARTIAL };
+        for fan in [fan, FanMerge::PARTIAL] {
+            let model = simplify(&mesh, &fan, &Options::default(), &mut |_| true).expect("a manifold").model;
+            assert!(check::conformity(&model).is_ok());
+        }
+    }
+}
+
+#[test]
 fn what_lies_in_a_plane_costs_nothing() {
     let mesh = generate::grid(9, 9);
     let options = Options { until_cells: Some(100), ..Options::default() };
