@@ -32,12 +32,16 @@ impl AnyOperator {
         }
     }
 
-    /// The virtual edges between vertices of `mesh` by which this operator merges what is no neighbour.
-    pub fn pairs(&self, mesh: &Mesh<3>) -> Vec<[VertexId; 2]> {
-        match self {
-            Self::VertexPair(pair) => pair.pairs(mesh),
-            Self::EdgeCollapse(_) | Self::FanMerge(_) => Vec::new(),
-        }
+    /// The edges by which this operator knows neighbours besides triangles, for [`mt_core::Replay::new`]. Collapses and fans
+    /// have none. Vertex pairs have their virtual edges, and the real ones too: an edge stays one when its triangles die.
+    pub fn links(&self, mesh: &Mesh<3>) -> Vec<[VertexId; 2]> {
+        let Self::VertexPair(pair) = self else { return Vec::new() };
+        let mut links = pair.pairs(mesh);
+        let sides = mesh.cells.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        links.extend(sides.map(|[a, b]| [a.min(b), a.max(b)]));
+        links.sort_unstable();
+        links.dedup();
+        links
     }
 
     /// Coarsens `mesh` and tells `listener`: see [`mt_core::analysis::analyse`].

@@ -30,12 +30,12 @@ pub fn both_of<O: Operator<3>>(mesh: &Mesh<3>, operator: &O) -> (Explicit<3>, Ar
     (model, Arc::new(Replay::new(mesh, &[], &listener.1).expect("a sequence")))
 }
 
-/// The replay of an operator by name, with its virtual edges.
+/// The replay of an operator by name, with its links.
 ///
 /// # Panics
 /// Where there is no such operator, or it does not take the mesh.
 pub fn replay_of(mesh: &Mesh<3>, operator: &AnyOperator) -> Arc<Replay> {
     let mut sequence = Sequence::new(mesh);
     operator.analyse(mesh, &Options::default(), &mut sequence, &mut |_| true).expect("the operator takes the mesh");
-    Arc::new(Replay::new(mesh, &operator.pairs(mesh), &sequence).expect("a sequence"))
+    Arc::new(Replay::new(mesh, &operator.links(mesh), &sequence).expect("a sequence"))
 }

@@ -39,7 +39,7 @@ pub enum InvalidSequence {
         /// Which.
         index: usize,
     },
-    /// A triangle or virtual edge of the input has a corner that is no vertex, or one twice.
+    /// A triangle or link of the input has a corner that is no vertex, or one twice.
     #[error("cell {0} of the input has a corner that is no vertex, or one corner twice")]
     Corners(usize),
     /// More than 32-bit ids can name.
@@ -81,11 +81,12 @@ pub enum HierarchyError {
 }
 
 impl Replay {
-    /// The replay of a sequence of merges of `mesh`, with virtual edges between vertices of `mesh`.
+    /// The replay of a sequence of merges of `mesh`, with the edges by which vertices are neighbours besides
+    /// triangles (none for collapses and fans).
     ///
     /// O(vertices + triangles + the stars that the merges change).
-    pub fn new(mesh: &Mesh<3>, pairs: &[Cell<2>], sequence: &Sequence) -> Result<Self, InvalidSequence> {
-        check(mesh, pairs, sequence)?;
+    pub fn new(mesh: &Mesh<3>, links: &[Cell<2>], sequence: &Sequence) -> Result<Self, InvalidSequence> {
+        check(mesh, links, sequence)?;
         let merged_at = forest(sequence)?;
         let (merges, ranks) = spans(sequence, &merged_at);
         let mut positions = mesh.positions.clone();
@@ -93,7 +94,7 @@ impl Replay {
         let nodes = sequence.children.iter().zip(&sequence.errors);
         let mut replay = Replay {
             cells: mesh.cells.clone(),
-            pairs: pairs.to_vec(),
+            links: links.to_vec(),
             positions,
             ranks,
             merged_at,
@@ -102,9 +103,9 @@ impl Replay {
             runs: runs(sequence),
             kept: sequence.kept.clone(),
             born: Born::Pairs(Vec::new()),
-            born_pairs: Born::Pairs(Vec::new()),
+            born_links: Born::Pairs(Vec::new()),
             base_cells: Vec::new(),
-            base_pairs: Vec::new(),
+            base_links: Vec::new(),
             roots: Vec::new(),
             sewn: Vec::new(),
             is_manifold: true,
@@ -123,30 +124,33 @@ impl Replay {
         let mut link = Vec::new();
         let used = |v: &VertexId| mesh.faces.has_star(*v);
         self.is_manifold = (0..self.leaf_count()).map(VertexId).filter(used).all(|v| is_umbrella(&mesh, v, &mut link));
-        let (mut starts, mut pair_starts) = (vec![0], vec![0]);
-        let (mut born, mut born_pairs) = (Vec::with_capacity(self.cells.len()), Vec::with_capacity(self.pairs.len()));
+        let (mut starts, mut link_starts) = (vec![0], vec![0]);
+        let (mut born, mut born_links) = (Vec::with_capacity(self.cells.len()), Vec::with_capacity(self.links.len()));
         for m in (0..self.len()).map(NodeId) {
             let of_patch = patch.measure(self, &mesh, m);
+            let shared = shared_neighbours(self, &mesh, m);
             mesh.join(
                 self,
                 m,
                 |_, _| {},
-                |slot, is_pair| if is_pair { born_pairs.push(CellId(slot)) } else { born.push(CellId(slot)) },
+                |slot, is_link| if is_link { born_links.push(CellId(slot)) } else { born.push(CellId(slot)) },
             );
-            for (start, cells) in [(&mut starts, &mut born), (&mut pair_starts, &mut born_pairs)] {
+            for (start, cells) in [(&mut starts, &mut born), (&mut link_starts, &mut born_links)] {
                 cells[start[m.index()] as usize..].sort_unstable();
                 start.push(cells.len() as u32);
             }
-            if !is_umbrella(&mesh, self.vertex(m), &mut link) {
+            // A third neighbour in common is a loop that closes: a waist, or a hole with three edges.
+            let closes = shared != (born.len() - starts[m.index()] as usize);
+            if closes || !is_umbrella(&mesh, self.vertex(m), &mut link) {
                 self.sewn.push(m);
             }
             let cone = patch.cone_after(self, &mesh, m).union(of_patch.1);
             let node = &mut self.nodes[m.index()];
             (node.radius, node.cone) = (of_patch.0, cone);
         }
-        (self.born, self.born_pairs) = (Born::new(starts, born), Born::new(pair_starts, born_pairs));
+        (self.born, self.born_links) = (Born::new(starts, born), Born::new(link_starts, born_links));
         self.base_cells = mesh.faces.cells().map(|(slot, corners)| (CellId(slot), *corners)).collect();
-        self.base_pairs = mesh.links.cells().map(|(slot, ends)| (CellId(slot), *ends)).collect();
+        self.base_links = mesh.links.cells().map(|(slot, ends)| (CellId(slot), *ends)).collect();
     }
 
     /// Grows each node's bound until it holds those under it; these have smaller ids, so one sweep does.
@@ -160,6 +164,24 @@ impl Replay {
             node.radius = radius_around(above.center, above.radius, &own);
         }
     }
+}
+
+/// How many vertices are neighbours of both ends of `m`, across triangles.
+fn shared_neighbours(replay: &Replay, mesh: &VertexMesh, m: NodeId) -> usize {
+    let merge = replay.merge_of(m);
+    let is_first = m == *replay.run_of(merge).start();
+    let center = if is_first { replay.merge(merge).center } else { replay.vertex(m) };
+    let child = replay.node(m).child;
+    let around = |v: VertexId| {
+        mesh.faces.star(v).flat_map(move |(slot, i)| {
+            let cell = mesh.faces.cell(slot);
+            [cell[(i + 1) % 3], cell[(i + 2) % 3]]
+        })
+    };
+    let mut shared: Vec<VertexId> = around(child).filter(|&w| around(center).any(|x| x == w)).collect();
+    shared.sort_unstable();
+    shared.dedup();
+    shared.len()
 }
 
 /// Whether the triangles around `v` form one fan, open or closed, of at least two different triangles where it is closed.
@@ -198,7 +220,7 @@ fn radius_around(center: Vec3, radius: f32, inner: &Bound) -> f32 {
     radius.max(grown)
 }
 
-fn check(mesh: &Mesh<3>, pairs: &[Cell<2>], sequence: &Sequence) -> Result<(), InvalidSequence> {
+fn check(mesh: &Mesh<3>, links: &[Cell<2>], sequence: &Sequence) -> Result<(), InvalidSequence> {
     use InvalidSequence::{Corners, NotFinite, OtherMesh, Shape, TooLarge};
     if sequence.input_vertex_count as usize != mesh.vertex_count() {
         return Err(OtherMesh { told: sequence.input_vertex_count, found: mesh.vertex_count() });
@@ -229,7 +251,7 @@ fn check(mesh: &Mesh<3>, pairs: &[Cell<2>], sequence: &Sequence) -> Result<(), I
     if let Some(index) = mesh.cells.iter().position(|cell| !(cell.iter().all(fits) && is_proper(cell))) {
         return Err(Corners(index));
     }
-    if let Some(index) = pairs.iter().position(|pair| !(pair.iter().all(fits) && is_proper(pair))) {
+    if let Some(index) = links.iter().position(|link| !(link.iter().all(fits) && is_proper(link))) {
         return Err(Corners(mesh.cell_count() + index));
     }
     Ok(())

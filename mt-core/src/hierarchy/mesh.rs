@@ -1,4 +1,4 @@
-//! The current mesh of a vertex hierarchy: triangles, virtual edges and who is active, changed star by star.
+//! The current mesh of a vertex hierarchy: triangles, links and who is active, changed star by star.
 
 use super::replay::Replay;
 use crate::bits::Bits;
@@ -9,12 +9,12 @@ use crate::model::Sink;
 
 /// Run-time state of a view of a vertex hierarchy. A slot is a cell of the input.
 ///
-/// Per triangle of the input 32 bytes, per virtual edge 32, per vertex of the forest 4 and a bit.
+/// Per triangle of the input 32 bytes, per link 32, per vertex of the forest 4 and a bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VertexMesh {
     /// The triangles.
     pub faces: Complex<3>,
-    /// The virtual edges.
+    /// Edges by which vertices are neighbours besides triangles, such as virtual ones.
     pub links: Complex<2>,
     /// The vertices of the forest that stand for their leaves now.
     pub active: Bits,
@@ -25,10 +25,10 @@ impl VertexMesh {
         let vertices = replay.vertex_count();
         let mut active = Bits::new(vertices);
         (0..replay.leaf_count()).for_each(|v| _ = active.insert(v));
-        let linked = if replay.pairs.is_empty() { 0 } else { vertices as usize };
+        let linked = if replay.links.is_empty() { 0 } else { vertices as usize };
         Self {
             faces: Complex::new(vertices as usize, &replay.cells),
-            links: Complex::new(linked, &replay.pairs),
+            links: Complex::new(linked, &replay.links),
             active,
         }
     }
@@ -37,11 +37,11 @@ impl VertexMesh {
         let vertices = replay.vertex_count();
         let mut active = Bits::new(vertices);
         (0..vertices).filter(|&v| replay.merged_at[v as usize].is_none()).for_each(|v| _ = active.insert(v));
-        let linked = if replay.pairs.is_empty() { 0 } else { vertices as usize };
+        let linked = if replay.links.is_empty() { 0 } else { vertices as usize };
         let mut faces = Complex::vacant(vertices as usize, replay.cells.len());
-        let mut links = Complex::vacant(linked, replay.pairs.len());
+        let mut links = Complex::vacant(linked, replay.links.len());
         replay.base_cells.iter().for_each(|(cell, corners)| faces.put(cell.0, *corners));
-        replay.base_pairs.iter().for_each(|(pair, ends)| links.put(pair.0, *ends));
+        replay.base_links.iter().for_each(|(link, ends)| links.put(link.0, *ends));
         Self { faces, links, active }
     }
 
@@ -51,7 +51,7 @@ impl VertexMesh {
         self.active.contains(v.0)
     }
 
-    /// The vertices that share a triangle or a virtual edge with `v`, some more than once.
+    /// The vertices that share a triangle or a link with `v`, some more than once.
     #[inline]
     pub fn ring(&self, v: VertexId) -> impl Iterator<Item = VertexId> + '_ {
         let faces = self.faces.star(v).flat_map(move |(slot, i)| {
@@ -100,7 +100,7 @@ impl VertexMesh {
             self.faces.put(cell.0, corners);
             sink.make(cell, corners);
         }
-        if !replay.pairs.is_empty() {
+        if !replay.links.is_empty() {
             self.split_links(replay, m, &split);
         }
         if center != vertex {
@@ -111,11 +111,11 @@ impl VertexMesh {
     }
 
     fn split_links(&mut self, replay: &Replay, m: NodeId, split: &Split) {
-        let side = |slot: Slot, i| split.side(replay, replay.pairs[slot as usize][i]).unwrap_or(split.center);
+        let side = |slot: Slot, i| split.side(replay, replay.links[slot as usize][i]).unwrap_or(split.center);
         self.links.split_star(split.vertex, side, |_, _| {});
-        for &pair in replay.born_pairs(m) {
-            let ends: Cell<2> = replay.pairs[pair.index()].map(|leaf| split.side(replay, leaf).expect("an end of it"));
-            self.links.put(pair.0, ends);
+        for &link in replay.born_links(m) {
+            let ends: Cell<2> = replay.links[link.index()].map(|leaf| split.side(replay, leaf).expect("an end of it"));
+            self.links.put(link.0, ends);
         }
     }
 
@@ -125,13 +125,13 @@ impl VertexMesh {
             self.faces.remove(cell.0);
             sink.kill(cell);
         }
-        for &pair in replay.born_pairs(m) {
-            self.links.remove(pair.0);
+        for &link in replay.born_links(m) {
+            self.links.remove(link.0);
         }
         self.join(replay, m, |slot, corners| sink.relabel(CellId(slot), *corners), |_, _| {});
     }
 
-    /// Merges and finds out what dies; virtual edges are told with `true`. This is how a replay is built.
+    /// Merges and finds out what dies; links are told with `true`. This is how a replay is built.
     pub(super) fn join(
         &mut self,
         replay: &Replay,
@@ -145,7 +145,7 @@ impl VertexMesh {
                 continue;
             }
             self.faces.merge_star(from, vertex, &mut moved, |slot| died(slot, false));
-            if !replay.pairs.is_empty() {
+            if !replay.links.is_empty() {
                 self.links.merge_star(from, vertex, |_, _| {}, |slot| died(slot, true));
             }
             self.active.remove(from.0);

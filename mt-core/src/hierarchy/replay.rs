@@ -85,8 +85,8 @@ impl Born {
         if cells.is_empty() {
             return Self::Pairs(Vec::new());
         }
-        let is_pairs = start.windows(2).all(|row| (1..=2).contains(&(row[1] - row[0])));
-        if !is_pairs || cells.len() < nodes {
+        let is_links = start.windows(2).all(|row| (1..=2).contains(&(row[1] - row[0])));
+        if !is_links || cells.len() < nodes {
             return Self::Rows(start, cells);
         }
         let row = |at: &[u32]| {
@@ -119,7 +119,7 @@ impl Born {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replay {
     pub(super) cells: Vec<Cell<3>>,
-    pub(super) pairs: Vec<Cell<2>>,
+    pub(super) links: Vec<Cell<2>>,
     /// Of the input's vertices, then of the merged ones.
     pub(super) positions: Vec<Vec3>,
     /// Leaf rank of each input vertex.
@@ -131,10 +131,10 @@ pub struct Replay {
     pub(super) runs: Runs,
     pub(super) kept: Bits,
     pub(super) born: Born,
-    /// The virtual edges; empty where there are none.
-    pub(super) born_pairs: Born,
+    /// The links; empty where there are none.
+    pub(super) born_links: Born,
     pub(super) base_cells: Vec<(CellId, Cell<3>)>,
-    pub(super) base_pairs: Vec<(CellId, Cell<2>)>,
+    pub(super) base_links: Vec<(CellId, Cell<2>)>,
     pub(super) roots: Vec<NodeId>,
     pub(super) sewn: Vec<NodeId>,
     pub(super) is_manifold: bool,
@@ -178,9 +178,9 @@ impl Replay {
         &self.cells
     }
 
-    /// The virtual edges of the input.
-    pub fn pairs(&self) -> &[Cell<2>] {
-        &self.pairs
+    /// The links of the input.
+    pub fn links(&self) -> &[Cell<2>] {
+        &self.links
     }
 
     /// The input, bit for bit.
@@ -317,10 +317,10 @@ impl Replay {
         self.born.row(m)
     }
 
-    /// The virtual edges that appear when `m` is refined.
+    /// The links that appear when `m` is refined.
     #[inline]
-    pub fn born_pairs(&self, m: NodeId) -> &[CellId] {
-        self.born_pairs.row(m)
+    pub fn born_links(&self, m: NodeId) -> &[CellId] {
+        self.born_links.row(m)
     }
 
     /// The node whose vertex `v` is at this front: the last one of its run that is coarse. `None` for leaves.
@@ -368,11 +368,11 @@ impl Replay {
             ("leaf ranks", 4 * self.ranks.len()),
             ("runs", runs),
             ("triangles of each node", self.born.bytes()),
-            ("virtual edges", 8 * self.pairs.len() + self.born_pairs.bytes()),
+            ("links", 8 * self.links.len() + self.born_links.bytes()),
             ("kept centres", 8 * self.kept.words().len()),
             (
                 "base mesh",
-                16 * self.base_cells.len() + 12 * self.base_pairs.len() + 4 * (self.roots.len() + self.sewn.len()),
+                16 * self.base_cells.len() + 12 * self.base_links.len() + 4 * (self.roots.len() + self.sewn.len()),
             ),
         ]
     }

@@ -120,8 +120,8 @@ pub(super) fn dual_piece(replay: &Replay) -> Entries {
 
 /// Schemes that cut a vertex along two edges take manifolds that stay manifolds alone.
 pub(super) fn refuse_pairs(replay: &Replay, scheme: &'static str) -> Result<(), HierarchyError> {
-    let (nodes, why): (&[NodeId], &str) = if !replay.pairs().is_empty() {
-        (replay.sewn(), "it has virtual edges, so vertices merge that are not neighbours")
+    let (nodes, why): (&[NodeId], &str) = if !replay.links().is_empty() {
+        (replay.sewn(), "it merges pairs, which need not share a triangle")
     } else if !replay.sewn().is_empty() {
         (replay.sewn(), "it has merges that sew sheets together or pinch them")
     } else if !replay.is_manifold() {

@@ -78,8 +78,8 @@ pub(super) fn build(
         None => analyse(subject, operator, steps)?,
     };
     let begun = Instant::now();
-    let pairs = operator.pairs(&subject.mesh);
-    let replay = Replay::new(&subject.mesh, &pairs, &sequence)
+    let links = operator.links(&subject.mesh);
+    let replay = Replay::new(&subject.mesh, &links, &sequence)
         .map_err(|error| StudyError::Hierarchy(subject.name.clone(), HierarchyError::from(error)))?;
     let seconds_replay = begun.elapsed().as_secs_f64();
     if is_new && let Some(bytes) = pack(&explicit, &sequence, &note) {
@@ -94,7 +94,7 @@ pub(super) fn build(
         triangles_base: explicit.base_cells().len(),
         merges: replay.merge_count(),
         modifications: replay.len(),
-        virtual_edges: pairs.len(),
+        links: links.len(),
         bytes_per_vertex: replay.bytes() as f64 / vertices,
         explicit_bytes_per_vertex: explicit.bytes() as f64 / vertices,
         refusals: note.refusals.into_iter().collect(),
@@ -149,7 +149,7 @@ fn unpack(bytes: &[u8], subject: &Subject, operator: &AnyOperator) -> Option<(Ex
     let (explicit, _) = container::read::<3>(model).ok()?;
     let sequence = Sequence::from_bytes(sequence).ok()?;
     let sound = explicit.reference() == subject.mesh
-        && Replay::new(&subject.mesh, &operator.pairs(&subject.mesh), &sequence).is_ok();
+        && Replay::new(&subject.mesh, &operator.links(&subject.mesh), &sequence).is_ok();
     sound.then_some((explicit, sequence, note))
 }
 

@@ -44,8 +44,8 @@ pub struct Built {
     pub merges: u32,
     /// Nodes of the hierarchy: vertices that were merged into others.
     pub modifications: u32,
-    /// Virtual edges of the input.
-    pub virtual_edges: usize,
+    /// Edges by which vertices are neighbours besides triangles; those of vertex pairs, real and virtual.
+    pub links: usize,
     /// Bytes of the vertex hierarchy without dependencies, for each vertex of the input.
     pub bytes_per_vertex: f64,
     /// Bytes of the explicit model, cells and arcs, for each vertex of the input.
