@@ -4,7 +4,7 @@ use mt_core::check::Random;
 use mt_core::format::{Format, LoadOptions, NonManifold, read};
 use mt_core::hierarchy::Dependency;
 use mt_core::{Hierarchy, Mesh, Replay, generate};
-use mt_tests::{both_of, real_files};
+use mt_tests::{both_of, real_files, replay_of};
 use multi_tessellation::verify;
 use operators::EdgeCollapse;
 use operators::order::{DualPieceFree, ImplicitIds, Scheme};
@@ -93,5 +93,27 @@ fn the_schemes_come_in_the_order_of_the_paper() {
         let [ring, four, dual] = sums.map(|sum| sum as f64);
         println!("{name}: one-ring / dual-piece {:.3}, four-face / dual-piece {:.3}", ring / dual, four / dual);
         assert!(ring > four && four > dual, "{name}: {sums:?}");
+    }
+}
+
+#[test]
+fn hierarchies_are_as_small_as_they_say() {
+    let mesh = generate::bumpy_sphere(5, 0.1, 3);
+    let vertices = mesh.vertex_count() as f64;
+    let cones = 4.0;
+    let edges = both_of(&mesh, &EdgeCollapse::FULL).1;
+    let fans = replay_of(&mesh, &"fan-merge".parse().unwrap());
+    for (name, replay, scheme, most) in [
+        ("dual-piece", &edges, Scheme::DualPiece, 64.0),
+        ("four-face", &edges, Scheme::FourFace, 72.0),
+        ("fan", &fans, Scheme::DualPiece, 48.0),
+    ] {
+        let stored = scheme.stored(replay).unwrap().unwrap();
+        let bytes = (replay.bytes() + stored.bytes()) as f64 / vertices;
+        println!("{name}: {bytes:.2} bytes a vertex, normal cones included");
+        assert!(bytes <= most + cones, "{name}: {bytes} bytes a vertex");
+        // The table leaves nothing out.
+        let table: usize = replay.bytes_table().iter().map(|(_, bytes)| bytes).sum();
+        assert_eq!(table, replay.bytes());
     }
 }

@@ -38,8 +38,14 @@ pub struct Study {
     /// Criteria: uniform, region, screen, facing, silhouette, moving, features, visual, budget, or all
     #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = "uniform,region,screen,budget")]
     criteria: Vec<String>,
-    /// Strategies: top-down, priority, incremental, hysteresis, dual, dual-distance, or all
-    #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = "top-down,priority,incremental,dual")]
+    /// Strategies: top-down, priority, incremental, hysteresis, dual, dual-distance, coarse,
+    /// or all; the last three are for hierarchies of fans
+    #[arg(
+        long,
+        value_name = "A,B",
+        value_delimiter = ',',
+        default_value = "top-down,priority,incremental,dual,dual-distance,coarse"
+    )]
     strategies: Vec<String>,
     /// Build everything anew, also what an earlier run into the same folder has built
     #[arg(long)]

@@ -96,6 +96,7 @@ pub(super) fn build(
         modifications: replay.len(),
         links: links.len(),
         bytes_per_vertex: replay.bytes() as f64 / vertices,
+        bytes_of: replay.bytes_table().into_iter().map(|(name, bytes)| (name, bytes as f64 / vertices)).collect(),
         explicit_bytes_per_vertex: explicit.bytes() as f64 / vertices,
         refusals: note.refusals.into_iter().collect(),
         stall: stall(&replay),

@@ -93,6 +93,8 @@ choices! {
         Dual = "dual",
         /// Incremental; runs of nodes far from the eye are one fan step.
         DualDistance = "dual-distance",
+        /// Incremental; every run of nodes is one fan step, as its last node decides.
+        Coarse = "coarse",
     }
 }
 
@@ -152,7 +154,9 @@ pub(super) fn is_sensible(
         StrategyKind::Priority | StrategyKind::Incremental => !budget || dependency.is_static(),
         StrategyKind::Hysteresis => !budget && dependency.is_static(),
         // Without runs there is one path; the explicit model knows a fan as one node.
-        StrategyKind::Dual | StrategyKind::DualDistance => !budget && has_runs && dependency != DependencyKind::Cells,
+        StrategyKind::Dual | StrategyKind::DualDistance | StrategyKind::Coarse => {
+            !budget && has_runs && dependency != DependencyKind::Cells
+        }
     }
 }
 
@@ -183,6 +187,7 @@ impl<'a> Scene<'a> {
         match strategy {
             StrategyKind::Dual => Path::Difference,
             StrategyKind::DualDistance => Path::Distance { eye: self.cameras[frame].eye, beyond: self.diagonal * 0.5 },
+            StrategyKind::Coarse => Path::Coarse,
             _ => Path::Fine,
         }
     }

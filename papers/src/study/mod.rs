@@ -68,7 +68,7 @@ impl Default for Config {
             operators: named(&["edge-collapse", "half-edge-collapse", "fan-merge"]),
             dependencies: named(&["cells", "one-ring", "four-face", "dual-piece", "implicit-ids"]),
             criteria: named(&["uniform", "region", "screen", "budget"]),
-            strategies: named(&["top-down", "priority", "incremental", "dual"]),
+            strategies: named(&["top-down", "priority", "incremental", "dual", "dual-distance", "coarse"]),
             frames: 90,
             error_px: 1.0,
             samples: 20_000,

@@ -150,7 +150,7 @@ impl Observe<'_, '_> {
                 let margin = 0.5 * self.config.error_px;
                 return adapt(model, &Hysteresis { criterion: wish, margin }, &query.limits, state);
             }
-            StrategyKind::Dual | StrategyKind::DualDistance => {
+            StrategyKind::Dual | StrategyKind::DualDistance | StrategyKind::Coarse => {
                 let path = self.scene.path(strategy, frame);
                 return adapt(model, &OnPath { criterion: wish, path }, &query.limits, state);
             }

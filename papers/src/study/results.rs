@@ -48,6 +48,8 @@ pub struct Built {
     pub links: usize,
     /// Bytes of the vertex hierarchy without dependencies, for each vertex of the input.
     pub bytes_per_vertex: f64,
+    /// The same, array by array.
+    pub bytes_of: Vec<(&'static str, f64)>,
     /// Bytes of the explicit model, cells and arcs, for each vertex of the input.
     pub explicit_bytes_per_vertex: f64,
     /// Refused plans by reason.
