@@ -24,6 +24,8 @@ pub fn page(results: &Results) -> String {
     page.table(&built_table(&results.built));
     page.paragraph("Plans refused, by reason; a place may be refused more than once:");
     page.list(results.built.iter().map(refusals));
+    page.paragraph("Where the bytes of the hierarchies go, for each vertex of the input:");
+    page.table(&bytes_table(&results.built));
     for model in names(results) {
         page.figure_svg(
             &degree_plot(results, model).svg(),
