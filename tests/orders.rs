@@ -7,16 +7,19 @@ use mt_core::{Hierarchy, Mesh, Replay, generate};
 use mt_tests::{both_of, real_files, replay_of};
 use multi_tessellation::verify;
 use operators::EdgeCollapse;
-use operators::order::{DualPieceFree, ImplicitIds, Scheme};
+use operators::order::{DualPieceFree, ImplicitIds, Scheme, Stored};
 use selective::{InRegion, Limits, Region, Strategy, extract};
 use std::path::Path;
 use std::sync::Arc;
 
 fn load(path: &Path) -> Mesh<3> {
+    load_as(path, &LoadOptions { non_manifold: NonManifold::Split, ..LoadOptions::default() })
+}
+
+fn load_as(path: &Path, options: &LoadOptions) -> Mesh<3> {
     let bytes = std::fs::read(path).expect("the file is there");
     let format = Format::from_extension(path.extension().and_then(|e| e.to_str()).unwrap_or("")).expect("a mesh");
-    let options = LoadOptions { non_manifold: NonManifold::Split, ..LoadOptions::default() };
-    read(format, &bytes, &options, &|_| None).expect("the file is good").0
+    read(format, &bytes, options, &|_| None).expect("the file is good").0
 }
 
 /// Random fronts for each model and scheme. `MT_FRONTS` says another number; a long run is 1000.
@@ -58,6 +61,32 @@ fn laws_under_every_scheme_on_boundaries_and_genus() {
 #[test]
 fn laws_under_every_scheme_on_half_edge_histories() {
     laws_hold(&["rocker-arm.obj", "spot.obj", "suzanne.obj"], &EdgeCollapse::HALF);
+}
+
+#[test]
+fn laws_under_every_scheme_on_fans() {
+    for path in real_files("surfaces", &["rocker-arm.obj", "camelhead.off", "fandisk.obj"]) {
+        let replay = replay_of(&load(&path), &"fan-merge".parse().unwrap());
+        for scheme in [Scheme::OneRing, Scheme::FourFace, Scheme::DualPiece] {
+            let stored = scheme.stored(&replay).expect("a manifold").expect("a static scheme");
+            judge(&format!("{} fans {scheme}", path.display()), &replay, stored);
+        }
+        judge(&format!("{} fans implicit-ids", path.display()), &replay, ImplicitIds);
+    }
+}
+
+#[test]
+fn laws_on_pairs_of_what_is_no_manifold() {
+    for path in real_files("surfaces", &["truck.obj", "trumpet.obj", "cycloidal.ply", "teapot.obj"]) {
+        let options = LoadOptions { non_manifold: NonManifold::Keep, ..LoadOptions::default() };
+        let replay = replay_of(&load_as(&path, &options), &"vertex-pair".parse().unwrap());
+        for stored in [Stored::explicit(&replay), Stored::one_ring(&replay)] {
+            judge(&format!("{} pairs", path.display()), &replay, stored);
+        }
+        judge(&format!("{} pairs implicit-ids", path.display()), &replay, ImplicitIds);
+        let refused = Stored::dual_piece(&replay).expect_err("pairs are refused").to_string();
+        assert!(refused.contains("merges pairs"), "{refused}");
+    }
 }
 
 /// Vertices of the mesh that is fine within a box, for each scheme.
