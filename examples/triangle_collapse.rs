@@ -7,6 +7,7 @@
 
 use glam::Vec3;
 use multi_tessellation::mt_core::analysis::{Draft, Operator, Options, Unfit, analyse, simplify};
+use multi_tessellation::mt_core::cell::is_proper;
 use multi_tessellation::mt_core::hierarchy::Dependency;
 use multi_tessellation::mt_core::mesh::area_vector;
 use multi_tessellation::mt_core::{Camera, Cell, Explicit, Hierarchy, Mesh, MultiTessellation, Plan, Refusal};
@@ -17,6 +18,7 @@ use multi_tessellation::operators::order::{DualPieceFree, ImplicitIds, Scheme};
 use multi_tessellation::papers::study::{self, Config, NoCache, Subject};
 use multi_tessellation::selective::{Limits, ScreenError, State, Strategy, UniformError, adapt, extract};
 use multi_tessellation::verify;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 // The operator
@@ -47,38 +49,32 @@ impl Operator<3> for TriangleCollapse {
     }
 
     fn price(&self, draft: &Draft<3>, aux: &Self::Aux, site: Cell<3>) -> Option<f64> {
-        let there = draft.complex.star(site[0]).any(|(slot, _)| *draft.complex.cell(slot) == site);
-        there.then(|| merged(draft, aux, site)).map(|(position, quadric)| quadric.value(position.as_dvec3()))
+        merged(draft, aux, site).map(|(position, quadric)| quadric.value(position.as_dvec3()))
     }
 
     fn plan(&self, draft: &Draft<3>, aux: &Self::Aux, site: Cell<3>, plan: &mut Plan<3>) -> Result<(), Refusal> {
+        let (position, quadric) = merged(draft, aux, site).ok_or(Refusal::Stale)?;
         if site.iter().any(|v| aux[v.index()].0) {
             return Err(Refusal::Boundary);
         }
-        let (position, quadric) = merged(draft, aux, site);
         let new = VertexId::new(draft.positions.len());
         let at = |v: VertexId| if v == new { position } else { draft.positions[v.index()] }.as_dvec3();
-        let (mut dying, mut rim) = (Vec::new(), Vec::new());
-        for (slot, i) in site.iter().flat_map(|&v| draft.complex.star(v)) {
+        let (mut dying, mut rim) = (BTreeSet::new(), BTreeSet::new());
+        for (slot, _) in site.iter().flat_map(|&v| draft.complex.star(v)) {
             let old = *draft.complex.cell(slot);
-            if old.iter().filter(|v| site.contains(v)).count() > 1 {
-                dying.push(slot);
+            let cell = old.map(|v| if site.contains(&v) { new } else { v });
+            if !is_proper(&cell) {
+                dying.insert(slot);
                 continue;
             }
-            let mut cell = old;
-            cell[i] = new;
             let [before, after] = [old, cell].map(|corners| area_vector(corners.map(at)));
             if before.dot(after) <= 0.2 * before.length() * after.length() {
                 return Err(Refusal::FoldOver);
             }
-            rim.extend([cell[(i + 1) % 3], cell[(i + 2) % 3]]);
+            rim.extend(cell.into_iter().filter(|v| *v != new));
             plan.kills.push(slot);
             plan.makes.push(cell);
         }
-        dying.sort_unstable();
-        dying.dedup();
-        rim.sort_unstable();
-        rim.dedup();
         // A patch that loses four triangles, and whose rim of so many edges passes as many vertices, is by Euler's
         // formula a disc; so is what replaces it. Two edges are no rim.
         if dying.len() != 4 || rim.len() != plan.makes.len() || rim.len() < 3 {
@@ -94,21 +90,20 @@ impl Operator<3> for TriangleCollapse {
     }
 
     fn applied(&self, draft: &Draft<3>, aux: &mut Self::Aux, plan: &Plan<3>, again: &mut Vec<Cell<3>>) {
-        let quadrics = plan.retired.iter().map(|v| aux[v.index()].1);
-        aux.push((false, quadrics.fold(Quadric::default(), |sum, quadric| sum + quadric)));
-        let new = VertexId::new(aux.len() - 1);
+        let new = VertexId::new(aux.len());
+        aux.push((false, plan.retired.iter().fold(Quadric::default(), |sum, v| sum + aux[v.index()].1)));
         again.extend(draft.complex.star(new).map(|(slot, _)| *draft.complex.cell(slot)));
     }
 }
 
-/// Where the corners become one vertex, and its quadric: the best place, unless that is far away.
-fn merged(draft: &Draft<3>, aux: &[(bool, Quadric)], site: Cell<3>) -> (Vec3, Quadric) {
+/// Where a triangle becomes a vertex (the best place, unless that is far away), and its quadric; none if it is gone.
+fn merged(draft: &Draft<3>, aux: &[(bool, Quadric)], site: Cell<3>) -> Option<(Vec3, Quadric)> {
+    draft.complex.star(site[0]).find(|(slot, _)| *draft.complex.cell(*slot) == site)?;
     let [a, b, c] = site.map(|v| draft.positions[v.index()].as_dvec3());
-    let quadric = site.map(|v| aux[v.index()].1).into_iter().fold(Quadric::default(), |sum, quadric| sum + quadric);
-    let middle = (a + b + c) / 3.0;
-    let reach = [a, b, c].map(|p| p.distance(middle)).into_iter().fold(0.0, f64::max);
-    let best = quadric.minimum().filter(|p| p.distance(middle) <= 2.0 * reach).unwrap_or(middle);
-    (best.as_vec3(), quadric)
+    let quadric = site.iter().fold(Quadric::default(), |sum, v| sum + aux[v.index()].1);
+    let (middle, reach) = ((a + b + c) / 3.0, a.distance(b).max(b.distance(c)).max(c.distance(a)));
+    let best = quadric.minimum().filter(|p| p.distance(middle) <= reach).unwrap_or(middle);
+    Some((best.as_vec3(), quadric))
 }
 
 // What comes with it
@@ -135,7 +130,8 @@ fn main() -> Outcome {
     refine(&model);
 
     let checked = verify::explicit(&model, &LAWS, &mut |_| true).map_err(|found| found.breach.to_string())?;
-    println!("laws of the explicit model: {}", listed(&checked));
+    let checked: Vec<String> = checked.iter().map(|(law, times)| format!("{law} {times}")).collect();
+    println!("laws that held, and how often: {}", checked.join(", "));
     hierarchies(&mesh)?;
     study(mesh)
 }
@@ -162,7 +158,7 @@ fn hierarchies(mesh: &Mesh<3>) -> Outcome {
     analyse(mesh, &TriangleCollapse, &Options::default(), &mut sequence, &mut |_| true)?;
     let replay = Arc::new(Replay::new(mesh, &[], &sequence)?);
     let sewn = replay.sewn().len();
-    println!("hierarchy: {} merges of {} nodes, {sewn} of which sew or pinch", replay.merge_count(), replay.len());
+    println!("hierarchy: {} merges of {} nodes, {sewn} of them sew or pinch", replay.merge_count(), replay.len());
     for scheme in Scheme::ALL {
         if let Some(order) = scheme.stored(&replay)? {
             laws_of(scheme.name(), &replay, order)?;
@@ -175,13 +171,8 @@ fn hierarchies(mesh: &Mesh<3>) -> Outcome {
 fn laws_of<D: Dependency + Send>(name: &str, replay: &Arc<Replay>, dependency: D) -> Outcome {
     let model = Hierarchy { replay: Arc::clone(replay), dependency };
     let checked = verify::hierarchy(&model, &LAWS, &mut |_| true).map_err(|found| found.breach.to_string())?;
-    println!("  {name:16} {}", listed(&checked));
+    println!("  {name:16} {} laws held, {} times in all", checked.len(), checked.values().sum::<u64>());
     Ok(())
-}
-
-/// Every law that was checked, with how often; all of them held.
-fn listed(checked: &verify::Summary) -> String {
-    checked.iter().map(|(law, times)| format!("{law} {times}")).collect::<Vec<_>>().join(", ")
 }
 
 /// The study, beside edge collapse: the same camera path, the same table.
@@ -199,7 +190,7 @@ fn study(mesh: Mesh<3>) -> Outcome {
         let (base, bytes) = (built.triangles_base, built.bytes_per_vertex);
         println!("  {}: base of {base} triangles, {bytes:.0} bytes a vertex", built.operator);
     }
-    for quality in &results.quality {
+    for quality in &results.qualities {
         println!(
             "  {} at {} triangles: distance {:.1e} of the extent",
             quality.operator, quality.triangles, quality.rms
@@ -256,9 +247,9 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_a_disc_stays() {
-        // On a tetrahedron all goes; at a boundary nothing may.
-        for mesh in [generate::tetrahedron(), generate::triangle(), generate::strip(6), generate::moebius(8)] {
+    fn what_surrounds_no_disc_stays() {
+        // Nothing surrounds a triangle of a tetrahedron but one vertex; the others have nothing inside.
+        for mesh in [generate::tetrahedron(), generate::triangle(), generate::strip(6), generate::fan3()] {
             let model = simplify(&mesh, &TriangleCollapse, &Options::default(), &mut |_| true).unwrap().model;
             assert_eq!(model.len(), 0);
         }
