@@ -6,7 +6,9 @@ use crate::metric::{AnyMetric, Metric, Quadrics};
 use crate::vertex_pair::VertexPair;
 use mt_core::analysis::{AnalysisError, Ended, Listener, Operator, Options, Progress, analyse};
 use mt_core::{Mesh, VertexId};
+use std::fmt::Debug;
 use std::str::FromStr;
+use std::sync::Arc;
 
 /// An operator chosen at run time, with its metric.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,11 +19,22 @@ pub enum AnyOperator {
     VertexPair(VertexPair<AnyMetric>),
     /// Fan-merge, which brings its own metric.
     FanMerge(FanMerge),
+    /// One that is not from here: see [`Self::yours`].
+    Yours(Yours),
 }
 
 impl AnyOperator {
     /// The names of the operators; after those that take one, a slash and a metric may follow.
     pub const NAMES: [&str; 4] = ["edge-collapse", "half-edge-collapse", "vertex-pair", "fan-merge"];
+
+    /// Anybody's operator, for a study beside ours. No command knows it by name.
+    ///
+    /// What a study keeps of it is found again by its `Debug` text, so that has to tell all its options, and something new
+    /// when the code changes (or nothing is kept). It joins vertices that share an edge; one that joins others needs links,
+    /// and a [`mt_core::Replay`] made by hand.
+    pub fn yours(operator: impl Operator<3> + Debug + Send + Sync + 'static) -> Self {
+        Self::Yours(Yours(Arc::new(operator)))
+    }
 
     /// Its name, with the metric where that is not the quadric.
     pub fn name(&self) -> String {
@@ -29,11 +42,12 @@ impl AnyOperator {
             Self::EdgeCollapse(collapse) => with_metric(Operator::name(collapse), &collapse.metric),
             Self::VertexPair(pair) => with_metric(Operator::name(pair), &pair.metric),
             Self::FanMerge(fan) => Operator::name(fan).to_owned(),
+            Self::Yours(Yours(operator)) => operator.title().to_owned(),
         }
     }
 
-    /// The edges by which this operator knows neighbours besides triangles, for [`mt_core::Replay::new`]. Collapses and fans
-    /// have none. Vertex pairs have their virtual edges, and the real ones too: an edge stays one when its triangles die.
+    /// The edges by which this operator knows neighbours besides triangles, for [`mt_core::Replay::new`]. Collapses, fans
+    /// and operators from elsewhere have none. Vertex pairs have their virtual edges, and the real ones too: an edge stays one when its triangles die.
     pub fn links(&self, mesh: &Mesh<3>) -> Vec<[VertexId; 2]> {
         let Self::VertexPair(pair) = self else { return Vec::new() };
         let mut links = pair.pairs(mesh);
@@ -63,7 +77,54 @@ impl AnyOperator {
             }
             Self::VertexPair(pair) => analyse(mesh, pair, options, listener, watch),
             Self::FanMerge(fan) => analyse(mesh, fan, options, listener, watch),
+            Self::Yours(Yours(operator)) => operator.coarsen(mesh, options, listener, watch),
         }
+    }
+}
+
+/// An operator of which only the trait is known. Shared, so that a copy costs nothing.
+#[derive(Clone)]
+pub struct Yours(Arc<dyn Coarsens>);
+
+/// As the operator's own: a study tells operators apart by this text.
+impl Debug for Yours {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl PartialEq for Yours {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// [`Operator`] without its types, which differ from one operator to the next.
+trait Coarsens: Debug + Send + Sync {
+    fn title(&self) -> &'static str;
+
+    fn coarsen(
+        &self,
+        mesh: &Mesh<3>,
+        options: &Options,
+        listener: &mut dyn Listener<3>,
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Ended, AnalysisError>;
+}
+
+impl<O: Operator<3> + Debug + Send + Sync> Coarsens for O {
+    fn title(&self) -> &'static str {
+        self.name()
+    }
+
+    fn coarsen(
+        &self,
+        mesh: &Mesh<3>,
+        options: &Options,
+        listener: &mut dyn Listener<3>,
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Ended, AnalysisError> {
+        analyse(mesh, self, options, listener, watch)
     }
 }
 
@@ -125,5 +186,20 @@ mod tests {
         for wrong in ["", "collapse", "edge-collapse/", "edge-collapse/colour", "fan-merge/quadric"] {
             assert!(wrong.parse::<AnyOperator>().is_err(), "{wrong}");
         }
+    }
+    #[test]
+    fn an_operator_from_elsewhere_does_what_it_does_by_type() {
+        let mesh = mt_core::generate::torus(12, 8);
+        let sequence = |operator: &AnyOperator| {
+            let mut sequence = mt_core::Sequence::new(&mesh);
+            operator.analyse(&mesh, &Options::default(), &mut sequence, &mut |_| true).unwrap();
+            sequence
+        };
+        let yours = AnyOperator::yours(FanMerge::PARTIAL);
+        let ours = AnyOperator::FanMerge(FanMerge::PARTIAL);
+        assert_eq!(sequence(&yours), sequence(&ours));
+        assert_eq!(yours.name(), ours.name());
+        assert_eq!(format!("{yours:?}"), format!("Yours({:?})", FanMerge::PARTIAL));
+        assert!(yours == yours.clone() && yours != ours);
     }
 }

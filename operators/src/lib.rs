@@ -42,7 +42,7 @@ pub mod metric;
 pub mod order;
 pub mod vertex_pair;
 
-pub use catalogue::{AnyOperator, UnknownOperator};
+pub use catalogue::{AnyOperator, UnknownOperator, Yours};
 pub use edge_collapse::EdgeCollapse;
 pub use fan_merge::FanMerge;
 pub use vertex_pair::VertexPair;

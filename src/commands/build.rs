@@ -189,6 +189,8 @@ impl Build {
                 };
                 true
             }
+            // No name leads to one.
+            AnyOperator::Yours(_) => false,
         };
         if self.preference.is_some() && !matches!(operator, AnyOperator::VertexPair(_)) {
             return Err(CommandError::Other(format!("--preference is for vertex-pair, not for {operator}")));

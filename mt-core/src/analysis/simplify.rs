@@ -107,7 +107,7 @@ pub fn analyse<const N: usize, O: Operator<N>>(
     mesh: &Mesh<N>,
     operator: &O,
     options: &Options,
-    listener: &mut impl Listener<N>,
+    listener: &mut (impl Listener<N> + ?Sized),
     watch: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Ended, AnalysisError> {
     if options.error_kind == ErrorKind::Measured && N != 3 {
@@ -157,7 +157,7 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
 
     fn run(
         &mut self,
-        listener: &mut impl Listener<N>,
+        listener: &mut (impl Listener<N> + ?Sized),
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Stopped, AnalysisError> {
         let cells_in = self.draft.complex.cell_count();
@@ -228,7 +228,7 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
         Ok(())
     }
 
-    fn apply(&mut self, listener: &mut impl Listener<N>) -> Result<(), HistoryError> {
+    fn apply(&mut self, listener: &mut (impl Listener<N> + ?Sized)) -> Result<(), HistoryError> {
         debug_assert_eq!(check::plan(&self.draft.complex, &self.plan), Ok(()), "{} plans badly", self.operator.name());
         listener.applying(&self.draft, &self.plan)?;
         self.draft.apply(&self.plan, &mut self.slots);
