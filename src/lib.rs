@@ -25,7 +25,7 @@
 //! assert!(outcome.complete && state.cell_count(&model) < mesh.cell_count() as u32);
 //!
 //! // Every law, at ten random fronts.
-//! verify::explicit(&model, &verify::Options { fronts: 10, seed: 1 }, &mut |_| true).unwrap();
+//! verify::explicit(&model, &verify::Options { fronts: 10, seed: 1, ..verify::Options::default() }, &mut |_| true).unwrap();
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

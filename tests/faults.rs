@@ -24,7 +24,7 @@ fn broken(change: impl FnOnce(&mut Parts<3>)) -> Explicit<3> {
 
 /// The law that verification names, and the size of the counterexample.
 fn verdict(model: &Explicit<3>) -> Option<(Law, u32)> {
-    let options = verify::Options { fronts: 60, seed: 5 };
+    let options = verify::Options { fronts: 60, seed: 5, ..verify::Options::default() };
     verify::explicit(model, &options, &mut |_| true).err().map(|found| (found.breach.law, found.front.len()))
 }
 

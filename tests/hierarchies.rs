@@ -20,7 +20,8 @@ use std::sync::Arc;
 
 fn laws_hold<D: Dependency + Send>(name: &str, replay: &Arc<Replay>, dependency: D, seed: u64, fronts: u32) {
     let model = Hierarchy { replay: Arc::clone(replay), dependency };
-    let verdict = verify::hierarchy(&model, &verify::Options { fronts, seed }, &mut |_| true);
+    let verdict =
+        verify::hierarchy(&model, &verify::Options { fronts, seed, ..verify::Options::default() }, &mut |_| true);
     if let Err(found) = verdict {
         panic!("{name}: {} at a front of {} nodes (found at {})", found.breach, found.front.len(), found.found_at);
     }
@@ -279,7 +280,7 @@ impl Dependency for ForestAlone {
 fn an_order_that_is_refused_would_break_the_mesh() {
     let (_, replay) = both_of(&generate::bumpy_sphere(3, 0.2, 8), &EdgeCollapse::FULL);
     let model = Hierarchy { replay, dependency: ForestAlone };
-    let options = verify::Options { fronts: 200, seed: 3 };
+    let options = verify::Options { fronts: 200, seed: 3, ..verify::Options::default() };
     let found = verify::hierarchy(&model, &options, &mut |_| true).expect_err("parents alone are unsound");
     assert!(matches!(found.breach.law, Law::CrackFree | Law::Partition), "{}", found.breach);
     // Small enough to look at.

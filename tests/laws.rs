@@ -26,7 +26,7 @@ proptest! {
         let options = Options { error_kind, ..Options::default() };
         let model = simplify(&mesh, &operator, &options, &mut |_| true).expect("generated meshes are manifolds").model;
         prop_assert!(check::ends(&model, &mesh).is_ok(), "{name}: the full front is not the input");
-        let verdict = verify::explicit(&model, &verify::Options { fronts: 12, seed }, &mut |_| true);
+        let verdict = verify::explicit(&model, &verify::Options { fronts: 12, seed, ..verify::Options::default() }, &mut |_| true);
         if let Err(found) = verdict {
             prop_assert!(false, "{name}: {} at a front of {} nodes", found.breach, found.front.len());
         }
@@ -101,7 +101,7 @@ fn nothing_is_left_to_do_on_the_smallest_meshes() {
     for mesh in [generate::tetrahedron(), generate::triangle()] {
         let model = model_of(&mesh, &EdgeCollapse::FULL);
         assert_eq!((model.len(), model.base_cells().len()), (0, mesh.cell_count()));
-        verify::explicit(&model, &verify::Options { fronts: 3, seed: 1 }, &mut |_| true)
+        verify::explicit(&model, &verify::Options { fronts: 3, seed: 1, ..verify::Options::default() }, &mut |_| true)
             .expect("laws hold without nodes");
     }
     let model = model_of(&generate::octahedron(), &EdgeCollapse::FULL);
@@ -112,7 +112,8 @@ fn nothing_is_left_to_do_on_the_smallest_meshes() {
 fn a_mesh_without_cells_is_a_model_without_nodes() {
     let model = model_of(&Mesh::default(), &EdgeCollapse::FULL);
     assert!(model.is_empty());
-    verify::explicit(&model, &verify::Options { fronts: 2, seed: 1 }, &mut |_| true).expect("laws hold on nothing");
+    verify::explicit(&model, &verify::Options { fronts: 2, seed: 1, ..verify::Options::default() }, &mut |_| true)
+        .expect("laws hold on nothing");
 }
 
 #[test]

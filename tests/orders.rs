@@ -29,7 +29,11 @@ fn fronts() -> u32 {
 
 fn judge<D: Dependency + Send>(name: &str, replay: &Arc<Replay>, dependency: D) {
     let model = Hierarchy { replay: Arc::clone(replay), dependency };
-    let verdict = verify::hierarchy(&model, &verify::Options { fronts: fronts(), seed: 11 }, &mut |_| true);
+    let verdict = verify::hierarchy(
+        &model,
+        &verify::Options { fronts: fronts(), seed: 11, ..verify::Options::default() },
+        &mut |_| true,
+    );
     let summary = verdict.unwrap_or_else(|found| panic!("{name}: {} ({} nodes)", found.breach, found.front.len()));
     println!("{name}: {} checks", summary.values().sum::<u64>());
 }

@@ -25,7 +25,7 @@ fn laws_hold(names: &[&str], operator: &EdgeCollapse) {
         let model = model_of(&mesh, operator);
         check::ends(&model, &mesh).unwrap_or_else(|breach| panic!("{}: {breach}", path.display()));
         let begun = std::time::Instant::now();
-        let options = verify::Options { fronts: fronts(), seed: 2 };
+        let options = verify::Options { fronts: fronts(), seed: 2, ..verify::Options::default() };
         let summary = verify::explicit(&model, &options, &mut |_| true);
         let summary = summary.unwrap_or_else(|found| panic!("{}: {}", path.display(), found.breach));
         println!(

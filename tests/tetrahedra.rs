@@ -22,7 +22,7 @@ fn every_law_holds_on_a_box_of_tetrahedra() {
     check::ends(&model, &mesh).unwrap();
     let domain = check::conformity(&model).unwrap();
     assert!(domain.manifold && domain.oriented && domain.content.is_some());
-    verify::explicit(&model, &verify::Options { fronts: 60, seed: 3 }, &mut |_| true)
+    verify::explicit(&model, &verify::Options { fronts: 60, seed: 3, ..verify::Options::default() }, &mut |_| true)
         .unwrap_or_else(|found| panic!("{}", found.breach));
 }
 
@@ -39,7 +39,7 @@ fn a_history_recorded_by_hand() {
     recorder.make([0, 1, 2, 3].map(VertexId)).unwrap();
     recorder.end(0.5).unwrap();
     let model = recorder.finish(ErrorKind::Measured).unwrap();
-    verify::explicit(&model, &verify::Options { fronts: 4, seed: 1 }, &mut |_| true)
+    verify::explicit(&model, &verify::Options { fronts: 4, seed: 1, ..verify::Options::default() }, &mut |_| true)
         .unwrap_or_else(|found| panic!("{}", found.breach));
     let (state, _) = extract(&model, &UniformError { error_max: 0.6 }, &Limits::NONE, Strategy::TopDown, ());
     assert_eq!(mesh_of(&model, &state.view.mesh).cell_count(), 1);
@@ -53,7 +53,10 @@ fn turned_over_tetrahedra_are_caught() {
     // Two corners swapped turn one made cell inside out.
     parts.corners[first_made].swap(0, 1);
     let bad = Explicit::from_parts(parts).unwrap();
-    assert!(verify::explicit(&bad, &verify::Options { fronts: 40, seed: 1 }, &mut |_| true).is_err());
+    assert!(
+        verify::explicit(&bad, &verify::Options { fronts: 40, seed: 1, ..verify::Options::default() }, &mut |_| true)
+            .is_err()
+    );
 }
 
 #[test]

@@ -46,6 +46,11 @@ impl AnyOperator {
         }
     }
 
+    /// Whether its modifications may change the topology of a mesh: sew sheets together, close holes.
+    pub fn coarsens_topology(&self) -> bool {
+        matches!(self, Self::VertexPair(_))
+    }
+
     /// The edges by which this operator knows neighbours besides triangles, for [`mt_core::Replay::new`]. Collapses, fans
     /// and operators from elsewhere have none. Vertex pairs have their virtual edges, and the real ones too: an edge stays one when its triangles die.
     pub fn links(&self, mesh: &Mesh<3>) -> Vec<[VertexId; 2]> {

@@ -5,7 +5,7 @@ use crate::extract::{expand, expand_by_priority};
 use crate::judge::Judge;
 use crate::state::{Limits, Outcome, Search, State};
 use mt_core::bits::ones;
-use mt_core::{Front, MultiTessellation, NodeId, Sink, Step};
+use mt_core::{Front, MultiTessellation, NodeId, Rule, Sink, Step};
 use std::time::Instant;
 
 /// Brings the mesh of the last frame to `criterion`. Ends in the front of [`crate::extract`], for criteria without memory; for
@@ -21,6 +21,11 @@ use std::time::Instant;
 /// it waits until the mesh is within the budget. A criterion with memory gives what is refined its head start in the
 /// search too, but need not come to rest at once.
 ///
+/// That is for static orders. Under a dynamic rule the way between two fronts need not be legal, so there the front is
+/// changed in place: what is not asked for is coarsened, then as much more as the budget wants, finest first; what fits
+/// is refined by urgency. No second view; the mesh is within the budget whatever the time, but depends on where it comes
+/// from, and a still camera need not come to rest.
+///
 /// Once a state has seen a camera's path, calls that ask for no more than before allocate nothing.
 pub fn adapt<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     model: &M,
@@ -32,7 +37,10 @@ pub fn adapt<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     let start = state.steps.len();
     state.scratch.chains.clear();
     if let Some(cells_max) = limits.cells {
-        return adapt_within(model, criterion, cells_max, deadline, state);
+        return match M::RULE {
+            Rule::Static => adapt_within(model, criterion, cells_max, deadline, state),
+            Rule::Dynamic => adapt_in_place(model, criterion, cells_max, deadline, state),
+        };
     }
     let before = remember(criterion, state);
     let judge = Judge::new(model, criterion, &before);
@@ -87,6 +95,54 @@ fn adapt_within<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     outcome.with_runs(Judge::new(model, criterion, &base).whole_runs(state, start))
 }
 
+/// Keeps to the budget by legal steps alone, for rules under which two fronts have no legal way between them.
+fn adapt_in_place<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
+    model: &M,
+    criterion: &impl Criterion<M::Bound>,
+    cells_max: u32,
+    deadline: Option<Instant>,
+    state: &mut State<N, M, S>,
+) -> Outcome {
+    let start = state.steps.len();
+    let before = remember(criterion, state);
+    let judge = Judge::new(model, criterion, &before);
+    let contracted = contract(&judge, deadline, state);
+    shrink(model, cells_max, state);
+    open_below_front(&judge, state);
+    let expanded = expand_by_priority(&judge, Some(cells_max), deadline, state);
+    let outcome = state.outcome_since(start, expanded.forced, contracted && expanded.complete);
+    let outcome = outcome.with_runs(judge.whole_runs(state, start));
+    state.scratch.before = before;
+    outcome
+}
+
+/// Coarsens what lets itself be coarsened, finest first, until the mesh has no more cells than allowed. One sweep after
+/// the other: what stood in the way may be gone by the next. Late or not, since the budget is not for time to break.
+///
+/// A rule may come to a mesh of which it lets nothing be coarsened. Then all is coarsened in the order of the analysis
+/// without asking, down to the base mesh: the meshes on the way are nobody's, but the one at the end is legal.
+fn shrink<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(model: &M, cells_max: u32, state: &mut State<N, M, S>) {
+    let fits = |state: &State<N, M, S>| model.cell_count(&state.view.mesh) <= cells_max;
+    let mut moved = true;
+    while moved {
+        moved = false;
+        for w in 0..state.view.front.words().len() {
+            for bit in ones(state.view.front.words()[w]) {
+                if fits(state) {
+                    return;
+                }
+                moved |= state.try_coarsen(model, NodeId(w as u32 * 64 + bit));
+            }
+        }
+    }
+    if !fits(state) {
+        for w in 0..state.view.front.words().len() {
+            ones(state.view.front.words()[w])
+                .for_each(|bit| state.take(model, Step::coarsen(NodeId(w as u32 * 64 + bit))));
+        }
+    }
+}
+
 /// How many steps to make between two looks at the clock.
 const CLOCK_EVERY: u32 = 64;
 
@@ -139,6 +195,8 @@ fn open_below_front<const N: usize, M: MultiTessellation<N>, S: Sink<N>, C: Crit
 /// Steps from the current front to a closed `target`: coarsens what is not in it, finest first, then refines what is
 /// missing, coarsest first. Every front on the way is closed, and no larger than the larger of the two. O(nodes / 64 +
 /// changes).
+///
+/// Requires a static order: under a dynamic rule steps on the way need not be legal, nor `target` reachable.
 pub fn approach<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     model: &M,
     target: &Front,

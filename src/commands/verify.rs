@@ -1,20 +1,36 @@
-//! `mtess verify`: the laws of a model over random fronts; exit 1 and a counterexample where one is broken.
+//! `mtess verify`: the laws of a model over random fronts, or of the vertex hierarchies of a mesh; exit 1 and a
+//! counterexample where one is broken.
 
 use super::{CommandError, print_json, print_text};
-use crate::files::{self, Model};
+use crate::files::{self, FileError, Model};
 use crate::progress::{Clock, Progress, interrupted};
 use clap::Args;
-use mt_core::{Explicit, Mesh};
-use multi_tessellation::verify::{self, Counterexample, Summary};
-use serde_json::json;
+use mt_core::analysis::{AnalysisError, Options, Stopped, Unfit};
+use mt_core::container::Meta;
+use mt_core::format::{Format, LoadOptions};
+use mt_core::hierarchy::Dependency;
+use mt_core::{Explicit, Hierarchy, Mesh, Replay, Sequence};
+use multi_tessellation::verify::{self, Counterexample, Summary, Topology};
+use operators::AnyOperator;
+use operators::order::{Scheme, UnknownScheme, VisitHierarchy};
+use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::str::FromStr;
+use std::sync::Arc;
 
 #[derive(Args)]
 pub struct Verify {
-    /// The model
+    /// The model; or a mesh, to verify its vertex hierarchies: obj, ply, stl, off, gltf or glb
     model: PathBuf,
+    /// Of a mesh: what coarsens it, as in `mtess build` [default: edge-collapse]
+    #[arg(long, value_name = "NAME[/METRIC]")]
+    operator: Option<AnyOperator>,
+    /// Of a mesh: what steps wait for: explicit, one-ring, cut-pair, four-face, dual-piece, implicit-ids,
+    /// implicit-ids-stored, dual-piece-free, or all [default: all]
+    #[arg(long, value_name = "NAME")]
+    dependency: Option<Schemes>,
     /// Number of random fronts
     #[arg(long, value_name = "N", default_value_t = 100)]
     fronts: u32,
@@ -29,70 +45,178 @@ pub struct Verify {
     json: bool,
 }
 
+/// One scheme, or all that take the sequence.
+#[derive(Copy, Clone)]
+enum Schemes {
+    One(Scheme),
+    All,
+}
+
+impl FromStr for Schemes {
+    type Err = UnknownScheme;
+    fn from_str(name: &str) -> Result<Self, UnknownScheme> {
+        if name == "all" { Ok(Self::All) } else { name.parse().map(Self::One) }
+    }
+}
+
+/// How a check came out, if nothing went wrong.
+type Verdict<const N: usize> = Result<Summary, Box<Counterexample<N>>>;
+
 impl Verify {
     pub fn run(self) -> Result<ExitCode, CommandError> {
         files::check_folder(&self.counterexample)?;
-        let (model, _) = files::load_model(&self.model)?;
+        let ending = self.model.extension().and_then(|e| e.to_str()).unwrap_or("");
+        if Format::from_extension(ending).is_some() {
+            return self.mesh();
+        }
+        let (model, meta) = files::load_model(&self.model)?;
+        for (option, given) in [("--operator", self.operator.is_some()), ("--dependency", self.dependency.is_some())] {
+            if given {
+                let what = format!("is a model, made and ordered as it is; {option} is for meshes");
+                return Err(FileError::new(&self.model, what).into());
+            }
+        }
         match &model {
-            Model::Triangles(model) => self.check(model, write_obj),
+            Model::Triangles(model) => self.model(model, &meta, write_obj),
             // No mesh format here carries tetrahedra; the text log has them.
-            Model::Tetrahedra(model) => self.check(model, |_, _| Ok(())),
+            Model::Tetrahedra(model) => self.model(model, &meta, |_, _| Ok(())),
         }
     }
 
-    fn check<const N: usize>(
+    fn options(&self, topology: Topology) -> verify::Options {
+        verify::Options { fronts: self.fronts, seed: self.seed, topology }
+    }
+
+    fn model<const N: usize>(
         &self,
         model: &Explicit<N>,
+        meta: &Meta,
         write_mesh: impl Fn(&Path, &Mesh<N>) -> Result<(), CommandError>,
     ) -> Result<ExitCode, CommandError> {
+        let coarsens = meta.operator.parse().is_ok_and(|operator: AnyOperator| operator.coarsens_topology());
+        let topology = if coarsens { Topology::Coarsened } else { Topology::Kept };
         let clock = Clock::start();
-        let mut progress = Progress::new("verifying", u64::from(self.fronts));
-        let options = verify::Options { fronts: self.fronts, seed: self.seed };
-        let result = verify::explicit(model, &options, &mut |at| progress.at(u64::from(at)));
-        drop(progress);
-        match result {
-            // Cut short, it has not seen what it would say holds.
-            Ok(_) if interrupted() => Err(CommandError::Interrupted),
-            Ok(summary) => {
-                self.tell(&summary, clock.wall());
-                Ok(ExitCode::SUCCESS)
-            }
-            Err(found) => self.report(&found, write_mesh),
+        let verdict = self.watch(|watch| verify::explicit(model, &self.options(topology), watch))?;
+        let summary = match verdict {
+            Ok(summary) => summary,
+            Err(found) => return self.report(&found, None, write_mesh),
+        };
+        if self.json {
+            print_json(&json!({
+                "holds": true, "fronts": self.fronts, "seed": self.seed, "topology": topology, "checks": summary,
+                "seconds": clock.wall(),
+            }));
+        } else {
+            print_text(&self.text("every law", &summary, clock.wall()));
         }
+        Ok(ExitCode::SUCCESS)
     }
 
-    fn tell(&self, summary: &Summary, seconds: f64) {
-        if self.json {
-            print_json(
-                &json!({ "holds": true, "fronts": self.fronts, "seed": self.seed, "checks": summary, "seconds": seconds }),
-            );
-            return;
+    /// Analyses the mesh, and verifies its hierarchies.
+    fn mesh(&self) -> Result<ExitCode, CommandError> {
+        let (mesh, load_report) = files::load_mesh(&self.model, &LoadOptions::default())?;
+        if !self.json {
+            eprint!("{load_report}");
         }
+        let operator = self.operator.clone().map_or_else(|| AnyOperator::from_str("edge-collapse"), Ok);
+        let operator = operator.map_err(|error| CommandError::Other(error.to_string()))?;
+        let replay = Arc::new(self.replay(&mesh, &operator)?);
+        let (schemes, is_one) = match self.dependency {
+            Some(Schemes::One(scheme)) => (vec![scheme], true),
+            Some(Schemes::All) | None => (Scheme::ALL.to_vec(), false),
+        };
+        let mut told: Vec<Value> = Vec::new();
+        for scheme in schemes {
+            let clock = Clock::start();
+            let verdict = match scheme.visit_hierarchy(&replay, Laws(self)) {
+                Ok(verdict) => verdict?,
+                Err(error) if is_one => return Err(FileError::new(&self.model, error).into()),
+                Err(error) => {
+                    if !self.json {
+                        print_text(&error.to_string());
+                    }
+                    told.push(json!({ "dependency": scheme.name(), "unfit": error.to_string() }));
+                    continue;
+                }
+            };
+            match verdict {
+                Err(found) => return self.report(&found, Some((&operator, scheme)), write_obj),
+                Ok(summary) => {
+                    let seconds = clock.wall();
+                    if !self.json {
+                        print_text(&self.text(&format!("{operator}, {scheme}: every law"), &summary, seconds));
+                    }
+                    told.push(json!({ "dependency": scheme.name(), "checks": summary, "seconds": seconds }));
+                }
+            }
+        }
+        if self.json {
+            print_json(&json!({
+                "holds": true, "fronts": self.fronts, "seed": self.seed, "operator": operator.name(), "schemes": told,
+            }));
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn replay(&self, mesh: &Mesh<3>, operator: &AnyOperator) -> Result<Replay, CommandError> {
+        let wrong = |what: String| CommandError::File(FileError::new(&self.model, what));
+        let mut sequence = Sequence::new(mesh);
+        let mut progress = Progress::new("coarsening", mesh.cell_count() as u64);
+        let mut watch = |at: mt_core::analysis::Progress| progress.at((at.cells_in - at.cells) as u64);
+        let ended = operator.analyse(mesh, &Options::default(), &mut sequence, &mut watch).map_err(|error| {
+            let way_out = match error {
+                AnalysisError::Unfit(Unfit::NonManifold { .. }) => "; --operator vertex-pair takes the mesh as it is",
+                _ => "",
+            };
+            wrong(format!("{error}{way_out}"))
+        })?;
+        if ended.stopped == Stopped::Cancelled || interrupted() {
+            return Err(CommandError::Interrupted);
+        }
+        Replay::new(mesh, &operator.links(mesh), &sequence).map_err(|error| wrong(error.to_string()))
+    }
+
+    /// Runs a check that hears of Ctrl-C. Cut short, it has not seen what it would say holds.
+    fn watch<const N: usize>(
+        &self,
+        check: impl FnOnce(&mut dyn FnMut(u32) -> bool) -> Verdict<N>,
+    ) -> Result<Verdict<N>, CommandError> {
+        let mut progress = Progress::new("verifying", u64::from(self.fronts));
+        let verdict = check(&mut |at| progress.at(u64::from(at)));
+        drop(progress);
+        if verdict.is_ok() && interrupted() { Err(CommandError::Interrupted) } else { Ok(verdict) }
+    }
+
+    fn text(&self, what: &str, summary: &Summary, seconds: f64) -> String {
         let mut text =
-            format!("every law holds over {} random fronts (seed {}) in {seconds:.1} s:", self.fronts, self.seed);
+            format!("{what} holds over {} random fronts (seed {}) in {seconds:.1} s:", self.fronts, self.seed);
         for (law, count) in summary {
             _ = write!(text, "\n  {law}: checked {count} times");
         }
-        print_text(&text);
+        text
     }
 
     fn report<const N: usize>(
         &self,
         found: &Counterexample<N>,
+        of: Option<(&AnyOperator, Scheme)>,
         write_mesh: impl Fn(&Path, &Mesh<N>) -> Result<(), CommandError>,
     ) -> Result<ExitCode, CommandError> {
         let stem = self.model.file_stem().unwrap_or_default().to_string_lossy();
         let mesh_path = self.counterexample.join(format!("{stem}-counterexample.obj"));
         let log_path = self.counterexample.join(format!("{stem}-counterexample.txt"));
+        let hierarchy = of.map(|(operator, scheme)| format!("{operator}, {scheme}"));
         write_mesh(&mesh_path, &found.mesh)?;
-        files::write_bytes(&log_path, self.log(found).as_bytes())?;
+        files::write_bytes(&log_path, self.log(found, hierarchy.as_deref()).as_bytes())?;
         if self.json {
             print_json(&json!({
                 "holds": false, "law": found.breach.law, "what": found.breach.what, "node": found.breach.node,
                 "front": found.front.len(), "found_at": found.found_at, "seed": self.seed, "log": log_path,
+                "dependency": of.map(|(_, scheme)| scheme.name()),
             }));
         }
-        eprintln!("error: {}: {}", self.model.display(), found.breach);
+        let which = hierarchy.map_or(String::new(), |which| format!("{which}: "));
+        eprintln!("error: {}: {which}{}", self.model.display(), found.breach);
         eprintln!(
             "the smallest front found has {} nodes (found at {}), its mesh {} cells; written to {}",
             found.front.len(),
@@ -103,8 +227,12 @@ impl Verify {
         Ok(ExitCode::FAILURE)
     }
 
-    fn log<const N: usize>(&self, found: &Counterexample<N>) -> String {
-        let mut log = format!("model: {}\nseed: {}\n{}\n", self.model.display(), self.seed, found.breach);
+    fn log<const N: usize>(&self, found: &Counterexample<N>, hierarchy: Option<&str>) -> String {
+        let mut log = format!("model: {}\n", self.model.display());
+        if let Some(hierarchy) = hierarchy {
+            _ = writeln!(log, "hierarchy: {hierarchy}");
+        }
+        _ = write!(log, "seed: {}\n{}\n", self.seed, found.breach);
         _ = writeln!(log, "\nfront, finest first: {}", join(found.front.finest_first().map(|m| m.0)));
         if let Some((m, patch)) = &found.patch {
             _ = writeln!(log, "\nnode {m} replaces, when refined:");
@@ -112,6 +240,17 @@ impl Verify {
             patch.fine.iter().for_each(|cell| _ = writeln!(log, "  + {}", join(cell.iter().map(|v| v.0))));
         }
         log
+    }
+}
+
+/// Verifies a hierarchy, whatever its dependencies.
+struct Laws<'a>(&'a Verify);
+
+impl VisitHierarchy for Laws<'_> {
+    type Output = Result<Verdict<3>, CommandError>;
+    fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Self::Output {
+        let options = self.0.options(Topology::default());
+        self.0.watch(|watch| verify::hierarchy(model, &options, watch))
     }
 }
 

@@ -17,13 +17,33 @@ use mt_core::{Explicit, Front, Mesh, NodeId, Order};
 use selective::{State, approach};
 use std::collections::BTreeMap;
 
-/// How much to check.
+/// How much to check, and what is claimed.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Number of random fronts.
     pub fronts: u32,
     /// Seed of the fronts and of all other choices.
     pub seed: u64,
+    /// What an explicit model claims; a hierarchy knows it by itself.
+    pub topology: Topology,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { fronts: 100, seed: 1, topology: Topology::Kept }
+    }
+}
+
+/// What the modifications of an explicit model may do to the topology of its meshes.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Topology {
+    /// Nothing: where the input is a manifold every mesh is one, oriented as the input is.
+    #[default]
+    Kept,
+    /// Anything that vertex pairs do: sheets are laid onto each other and holes close. What is left of law 3 is the
+    /// boundary: the facets with an odd number of cells are those that the modifications make of the input's.
+    Coarsened,
 }
 
 /// Law 7: analysing the same mesh twice gives the same model, byte for byte.
@@ -69,7 +89,7 @@ pub fn explicit<const N: usize>(
     watch: &mut dyn FnMut(u32) -> bool,
 ) -> Result<Summary, Box<Counterexample<N>>> {
     let mut summary = Summary::new();
-    let whole = whole_model(model, &mut summary);
+    let whole = whole_model(model, options.topology, &mut summary);
     let (order, domain) = whole.map_err(|breach| Box::new(counterexample_of_whole(model, breach)))?;
     let laws = Laws { model, order: &order, domain: &domain };
     let mut random = Random::new(options.seed);
@@ -92,13 +112,21 @@ pub fn explicit<const N: usize>(
 }
 
 /// The laws on the model as a whole.
-fn whole_model<const N: usize>(model: &Explicit<N>, summary: &mut Summary) -> Result<(Order, Domain<N>), Breach> {
+fn whole_model<const N: usize>(
+    model: &Explicit<N>,
+    topology: Topology,
+    summary: &mut Summary,
+) -> Result<(Order, Domain<N>), Breach> {
     let order = check::order_of(model)?;
     check::order_from_cells(model)?;
     held(summary, Law::Order);
     check::cells(model)?;
     held(summary, Law::Cells);
-    let domain = check::conformity(model)?;
+    let domain = match topology {
+        Topology::Kept => check::conformity(model)?,
+        // Sheets of a plane that are sewn together lie one over the other, so the content says nothing either.
+        Topology::Coarsened => Domain { content: None, ..check::conformity_of_quotient(model)? },
+    };
     held(summary, Law::Conformity);
     check::saturation(model)?;
     held(summary, Law::Saturation);

@@ -3,6 +3,7 @@
 use crate::kit::{Room, ball, ball_mesh};
 use mt_core::format::{Census, census};
 use mt_core::{Mesh, MultiTessellation, generate};
+use operators::AnyOperator;
 
 /// What `build --json` tells at least; numbers all of them.
 const FIGURES: [&str; 9] = [
@@ -43,6 +44,60 @@ fn both_operators_build_and_tell_their_figures() {
         assert_eq!(model.reference(), ball_mesh());
     }
     assert_eq!(room.files(), ["ball.mt", "ball.ply"]);
+}
+
+#[test]
+fn every_operator_builds_a_model_that_knows_its_name() {
+    let room = Room::new();
+    room.put("terrain.ply", &generate::terrain(14, 0.5, 3));
+    let metrics = ["quadric-attributes", "lindstrom-turk", "edge-length"];
+    let with_metrics = metrics.iter().flat_map(|metric| {
+        ["edge-collapse", "half-edge-collapse", "vertex-pair"].map(|operator| format!("{operator}/{metric}"))
+    });
+    for operator in AnyOperator::NAMES.map(str::to_owned).into_iter().chain(with_metrics) {
+        room.good(&format!("build terrain.ply -o terrain.mt --operator {operator}"));
+        let facts = room.good("info terrain.mt --json").json();
+        assert_eq!(facts["operator"], operator);
+        let (model, _) = room.model("terrain.mt");
+        assert!(model.base_cells().len() * 4 < 392, "{operator} leaves {}", model.base_cells().len());
+        room.good("verify terrain.mt --fronts 3");
+        room.good("extract terrain.mt --cells 100 -o out.ply");
+        assert!(room.mesh("out.ply").cell_count() <= 100.max(model.base_cells().len()), "{operator}");
+    }
+}
+
+/// Three pages of a book: its back is an edge of three sheets.
+fn book() -> Mesh<3> {
+    let page = generate::bumpy_grid(6, 6, 0.0, 1);
+    let low = page.bounding_box().unwrap().0;
+    let pages = [0.0f32, 2.0, 4.0].map(|angle| {
+        let turned = page.positions.iter().map(|p| {
+            let far = p.y - low.y;
+            glam::vec3(p.x, far * angle.cos(), far * angle.sin())
+        });
+        Mesh { positions: turned.collect(), cells: page.cells.clone() }
+    });
+    generate::components(&pages)
+}
+
+#[test]
+fn vertex_pairs_take_what_is_no_manifold() {
+    let room = Room::new();
+    room.write("book.obj", mt_core::format::write(mt_core::format::Format::Obj, &book()).unwrap());
+    for operator in ["edge-collapse", "half-edge-collapse", "fan-merge"] {
+        let told = room.run(&format!("build book.obj -o book.mt --operator {operator}"));
+        let line = told.err.lines().last().unwrap_or("").to_owned();
+        assert!(told.code == Some(1) && line.starts_with("error: book.obj: "), "{told:?}");
+        assert!(line.contains("--non-manifold split") && line.contains("--operator vertex-pair"), "{line}");
+    }
+    assert_eq!(room.files(), ["book.obj"]);
+    for preference in ["geometry-first", "equal"] {
+        room.good(&format!("build book.obj -o book.mt --operator vertex-pair --preference {preference}"));
+        let (model, _) = room.model("book.mt");
+        assert_eq!(model.input_cell_count(), 216);
+        assert!(census(&model.reference()).non_manifold_edges.count > 0 && model.base_cells().len() < 60);
+        room.good("verify book.mt --fronts 20");
+    }
 }
 
 #[test]

@@ -91,7 +91,9 @@ fn an_input_has_its_ending() {
     }
     assert!(room.refused("build ball.mt -o out.mt", "ball.mt").contains("is a model"));
     assert!(no_model(&room, "mesh.mt").contains("not a .mt file"));
-    assert!(no_model(&room, "ball.ply").contains("not a .mt file"));
+    for command in READERS.iter().filter(|command| !command.starts_with("verify")) {
+        assert!(room.refused(&command.replace("{}", "ball.ply"), "ball.ply").contains("not a .mt file"));
+    }
 }
 
 #[test]
@@ -273,6 +275,49 @@ fn a_gltf_reads_no_file_from_elsewhere() {
     {
         room.write("inside/bad.gltf", gltf(uri));
         room.refused("build inside/bad.gltf -o out.mt", "inside/bad.gltf");
+    }
+}
+
+#[test]
+fn an_unknown_name_is_told_with_those_there_are() {
+    let room = ball();
+    for (command, says) in [
+        ("build ball.ply -o out.mt --operator grow", "no operator grow; there are edge-collapse, half-edge-collapse"),
+        ("build ball.ply -o out.mt --operator edge-collapse/taste", "no metric \"taste\"; there are quadric"),
+        ("build ball.ply -o out.mt --operator fan-merge/quadric", "fan-merge brings its own metric"),
+        ("verify ball.ply --operator grow", "no operator grow; there are edge-collapse, half-edge-collapse"),
+        ("verify ball.ply --dependency hope", "no dependency scheme hope; there are explicit, one-ring"),
+    ] {
+        let told = room.run(command);
+        assert_eq!(told.code, Some(2), "mtess {command}: {told:?}");
+        let line = told.err.lines().next().unwrap_or("");
+        assert!(line.starts_with("error: ") && line.contains(says), "mtess {command}: {line}");
+    }
+    for (option, says) in [
+        ("--operators edge-collapse,grow", "no operator grow; there are edge-collapse, half-edge-collapse"),
+        ("--operators vertex-pair/taste", "no metric \"taste\"; there are quadric"),
+        ("--dependencies hope", "no dependency hope; there are cells, explicit, one-ring"),
+        ("--criteria uniform,whim", "no criterion whim; there are uniform, region"),
+        ("--strategies luck,top-down", "no strategy luck; there are top-down, priority"),
+        ("--strategies all,luck", "no strategy luck; there are top-down, priority"),
+    ] {
+        room.refused(&format!("study ball.ply -o report {option}"), says);
+    }
+}
+
+#[test]
+fn an_option_of_another_operator_is_refused() {
+    let room = ball();
+    for (options, says) in [
+        ("--below-stall stop", "--below-stall is for fan-merge, not for edge-collapse"),
+        ("--operator vertex-pair --below-stall collapse", "--below-stall is for fan-merge, not for vertex-pair"),
+        ("--operator fan-merge --preference equal", "--preference is for vertex-pair, not for fan-merge"),
+        ("--operator vertex-pair --boundary locked", "--boundary locked is not for vertex-pair"),
+    ] {
+        room.refused(&format!("build ball.ply -o out.mt --json {options}"), says);
+    }
+    for stall in ["partial", "collapse", "stop"] {
+        room.good(&format!("build ball.ply -o out.mt --operator fan-merge --below-stall {stall}"));
     }
 }
 

@@ -4,28 +4,33 @@ use crate::kit::Room;
 use mt_core::generate;
 use std::collections::BTreeSet;
 
-const HEADER: &str =
-    "model,operator,dependency,criterion,strategy,frame,vertices,triangles,refined,coarsened,forced,seconds";
+const HEADER: &str = "model,operator,dependency,criterion,strategy,frame,vertices,triangles,refined,coarsened,forced,\
+    chain_p95,chain_max,fan_steps,edge_steps,changed,touched,folds,seconds";
+/// What the tests choose where a few of each will do.
+const SMALL: &str = "--frames 2 --operators edge-collapse,fan-merge --dependencies cells,implicit-ids \
+    --criteria uniform,budget --strategies top-down,incremental";
 
 #[test]
 fn a_study_writes_its_report() {
     let room = Room::new();
     room.put("ball.ply", &generate::bumpy_sphere(3, 0.1, 5));
-    let told = room.good("study ball.ply --frames 3 -o report");
+    let lists = "--operators edge-collapse,half-edge-collapse --dependencies cells,dual-piece";
+    let told = room.good(&format!("study ball.ply --frames 3 -o report {lists}"));
     assert!(told.out.contains("index.html"), "{}", told.out);
     let csv = room.text("report/results.csv");
     let mut lines = csv.lines();
     assert_eq!(lines.next(), Some(HEADER));
     let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
-    assert!(rows.iter().all(|row| row.len() == 12), "{csv}");
+    assert!(rows.iter().all(|row| row.len() == HEADER.split(',').count()), "{csv}");
     let column = |i: usize| rows.iter().map(|row| row[i]).collect::<BTreeSet<_>>();
     assert_eq!(column(0), ["ball"].into());
     assert_eq!(column(1), ["edge-collapse", "half-edge-collapse"].into());
+    assert_eq!(column(2), ["cells", "dual-piece"].into());
     assert_eq!(column(3), ["budget", "region", "screen", "uniform"].into());
     assert_eq!(column(4), ["incremental", "priority", "top-down"].into());
     assert_eq!(column(5), ["0", "1", "2"].into());
-    // Four criteria by three strategies, but the budget by two; three frames, two operators.
-    assert_eq!(rows.len(), 11 * 3 * 2);
+    // Four criteria by three strategies, but the budget by two; three frames, two operators, two dependencies.
+    assert_eq!(rows.len(), 11 * 3 * 2 * 2);
     same_counts(&rows);
 
     let json: serde_json::Value = serde_json::from_slice(&room.read("report/results.json")).unwrap();
@@ -42,7 +47,7 @@ fn a_study_writes_its_report() {
 fn same_counts(rows: &[Vec<&str>]) {
     for one in rows {
         for other in rows {
-            if (one[1], one[3], one[5]) == (other[1], other[3], other[5]) {
+            if (one[1], one[2], one[3], one[5]) == (other[1], other[2], other[3], other[5]) {
                 assert_eq!(one[7], other[7], "{one:?} {other:?}");
             }
         }
@@ -96,4 +101,79 @@ fn sheets_are_refused_by_file_with_a_way_out_or_split() {
     assert!(errors[0].contains("fan3.obj") && errors[0].contains("--split-non-manifold"), "{told:?}");
     assert_eq!(room.files(), ["fan3.obj"]);
     room.good("study fan3.obj --frames 1 -o report --split-non-manifold");
+}
+
+/// The rows of a report without the last column, which tells seconds.
+fn numbers(room: &Room) -> Vec<String> {
+    let csv = room.text("report/results.csv");
+    csv.lines().map(|line| line.rsplit_once(',').expect("columns").0.to_owned()).collect()
+}
+
+#[test]
+fn a_study_combines_its_lists() {
+    let room = Room::new();
+    room.put("ball.ply", &generate::bumpy_sphere(2, 0.1, 5));
+    room.good(&format!("study ball.ply -o report {SMALL}"));
+    let rows = numbers(&room);
+    let column = |i: usize| {
+        rows[1..].iter().map(|row| row.split(',').nth(i).expect("a column").to_owned()).collect::<BTreeSet<_>>()
+    };
+    let wanted = [
+        (1, ["edge-collapse", "fan-merge"]),
+        (2, ["cells", "implicit-ids"]),
+        (3, ["budget", "uniform"]),
+        (4, ["incremental", "top-down"]),
+        (5, ["0", "1"]),
+    ];
+    for (i, names) in wanted {
+        assert_eq!(column(i), names.map(str::to_owned).into());
+    }
+    // A name given twice counts once.
+    room.good(&format!("study ball.ply -o report {}", SMALL.replace("uniform,budget", "uniform,budget,uniform")));
+    assert_eq!(numbers(&room), rows);
+}
+
+#[test]
+fn a_second_study_finds_what_the_first_has_built() {
+    let room = Room::new();
+    room.put("ball.ply", &generate::bumpy_sphere(2, 0.1, 5));
+    let study = |more: &str| room.good(&format!("study ball.ply -o report {SMALL} {more}")).out;
+    let found = |told: &str| told.matches("(built before)").count();
+    assert_eq!(found(&study("")), 0);
+    let first = numbers(&room);
+    assert_eq!(found(&study("")), 2);
+    assert_eq!(numbers(&room), first);
+    assert_eq!(found(&study("--no-cache")), 0);
+    assert_eq!(numbers(&room), first);
+    // Another mesh under the same name is another model.
+    room.put("ball.ply", &generate::bumpy_sphere(2, 0.1, 6));
+    assert_eq!(found(&study("")), 0);
+    assert_ne!(numbers(&room), first);
+}
+
+#[test]
+fn what_was_built_and_is_damaged_is_built_again() {
+    let room = Room::new();
+    room.put("ball.ply", &generate::bumpy_sphere(2, 0.1, 5));
+    let study = || room.good(&format!("study ball.ply -o report {SMALL}")).out.matches("(built before)").count();
+    assert_eq!(study(), 0);
+    let first = numbers(&room);
+    let built = std::fs::read_dir(room.path("report/built")).expect("a folder of what was built");
+    let path = built.map(|entry| entry.expect("an entry").path()).min().expect("two files");
+    let name = path.strip_prefix(room.path("")).expect("below the room").to_string_lossy().into_owned();
+    let good = room.read(&name);
+    let flipped = |at: usize| {
+        let mut bytes = good.clone();
+        bytes[at] ^= 0x10;
+        bytes
+    };
+    let longer = [good.as_slice(), b"more"].concat();
+    let damaged = [vec![], b"{}".to_vec(), good[..good.len() / 2].to_vec(), good[..good.len() - 1].to_vec(), longer];
+    let places = [0, good.len() / 4, good.len() / 2, good.len() - 200, good.len() - 1];
+    for bytes in damaged.into_iter().chain(places.map(flipped)) {
+        room.write(&name, bytes);
+        assert_eq!(study(), 1, "one of two is damaged");
+        assert_eq!(numbers(&room), first);
+        assert_eq!(study(), 2, "and was made good");
+    }
 }

@@ -93,6 +93,67 @@ fn a_corner_moved_elsewhere_is_found() {
 }
 
 #[test]
+fn models_that_change_topology_are_judged_by_what_they_claim() {
+    let room = Room::new();
+    room.put("boxes.ply", &generate::components(&[generate::torus(9, 6), generate::octahedron()]));
+    for (operator, topology) in [("vertex-pair", "coarsened"), ("vertex-pair/edge-length", "coarsened")]
+        .into_iter()
+        .chain([("edge-collapse", "kept"), ("fan-merge", "kept")])
+    {
+        room.good(&format!("build boxes.ply -o boxes.mt --operator {operator}"));
+        let told = room.good("verify boxes.mt --fronts 20 --json").json();
+        assert_eq!((&told["holds"], &told["topology"]), (&true.into(), &topology.into()), "{operator}: {told}");
+    }
+    // Under another name it claims to keep what it changes, and is found out.
+    room.good("build boxes.ply -o pairs.mt --operator vertex-pair");
+    let (model, meta) = room.model("pairs.mt");
+    room.write_model("broken.mt", &model, &Meta { operator: "edge-collapse".into(), ..meta });
+    found(&room, "crack-freeness");
+}
+
+#[test]
+fn the_hierarchies_of_a_mesh_are_verified_under_every_scheme() {
+    let room = Room::new();
+    room.put("ball.ply", &generate::bumpy_sphere(2, 0.1, 5));
+    for operator in ["edge-collapse", "half-edge-collapse/lindstrom-turk", "fan-merge", "vertex-pair"] {
+        let told = room.good(&format!("verify ball.ply --operator {operator} --fronts 6 --json")).json();
+        assert_eq!((&told["holds"], &told["operator"]), (&true.into(), &operator.into()), "{told}");
+        let schemes = told["schemes"].as_array().unwrap();
+        assert_eq!(schemes.len(), 8);
+        for scheme in schemes {
+            let checks = scheme["checks"].as_object().is_some_and(|checks| checks["quotient"] == 6);
+            let unfit = scheme["unfit"].as_str().is_some_and(|why| why.contains("does not take this sequence"));
+            assert!(checks || operator == "vertex-pair" && unfit, "{scheme}");
+        }
+    }
+    let told = room.good("verify ball.ply --dependency dual-piece --fronts 9 --seed 4").out;
+    assert!(told.starts_with("edge-collapse, dual-piece: every law holds over 9 random fronts (seed 4)"), "{told}");
+    assert!(told.contains("\n  partition: checked 9 times"), "{told}");
+    assert_eq!(room.good("verify ball.ply --dependency all --fronts 1").out.matches("every law holds").count(), 8);
+    let told = room.good("verify ball.ply --operator vertex-pair --fronts 1").out;
+    assert!(told.contains("dual-piece-free does not take this sequence"), "{told}");
+    assert_eq!(room.files(), ["ball.ply"]);
+}
+
+#[test]
+fn a_mesh_without_a_hierarchy_is_refused_with_the_reason() {
+    let room = ball();
+    room.put("fan3.obj", &generate::fan3());
+    room.put("one.obj", &generate::triangle());
+    let line = room.refused("verify fan3.obj --json", "fan3.obj");
+    assert!(line.contains("--operator vertex-pair"), "{line}");
+    room.good("verify fan3.obj --operator vertex-pair --fronts 3");
+    room.good("verify one.obj --fronts 3");
+    let line = room.refused("verify ball.ply --operator vertex-pair --dependency cut-pair --json", "ball.ply");
+    assert!(line.contains("cut-pair does not take this sequence"), "{line}");
+    // A model is what it is.
+    for option in ["--operator edge-collapse", "--dependency all"] {
+        let line = room.refused(&format!("verify ball.mt {option}"), "ball.mt");
+        assert!(line.contains(&option[..10]) && line.contains("is for meshes"), "{line}");
+    }
+}
+
+#[test]
 fn a_counterexample_needs_its_folder() {
     let room = ball();
     room.refused("verify ball.mt --counterexample nowhere", "nowhere");

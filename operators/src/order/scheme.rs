@@ -34,6 +34,24 @@ pub trait Visit {
     fn visit<M: MultiTessellation<3, Bound = Bound>>(self, model: &M) -> Self::Output;
 }
 
+/// The same where the work wants the hierarchy itself, with its replay and its dependencies.
+pub trait VisitHierarchy {
+    /// What comes of it.
+    type Output;
+    /// Does it.
+    fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Self::Output;
+}
+
+/// Work on any model is work on a hierarchy.
+struct AsModel<V>(V);
+
+impl<V: Visit> VisitHierarchy for AsModel<V> {
+    type Output = V::Output;
+    fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> V::Output {
+        self.0.visit(model)
+    }
+}
+
 impl Scheme {
     /// All schemes.
     pub const ALL: [Scheme; 8] = [
@@ -90,8 +108,17 @@ impl Scheme {
         })
     }
 
-    /// Derives the scheme for a replay, and does `work` on the hierarchy.
+    /// Derives the scheme for a replay, and does `work` on the hierarchy as on any model.
     pub fn visit<V: Visit>(self, replay: &Arc<Replay>, work: V) -> Result<V::Output, HierarchyError> {
+        self.visit_hierarchy(replay, AsModel(work))
+    }
+
+    /// Derives the scheme for a replay, and does `work` on the hierarchy.
+    pub fn visit_hierarchy<V: VisitHierarchy>(
+        self,
+        replay: &Arc<Replay>,
+        work: V,
+    ) -> Result<V::Output, HierarchyError> {
         let shared = Arc::clone(replay);
         if let Some(dependency) = self.stored(replay)? {
             return Ok(work.visit(&Hierarchy { replay: shared, dependency }));
