@@ -205,10 +205,11 @@ impl<const N: usize> Complex<N> {
         slot
     }
 
-    /// Puts a cell into an empty slot. O(1).
+    /// Puts a cell into an empty slot. O(1). For complexes whose slots are names; plans may not be applied to these.
     #[inline]
     pub fn put(&mut self, slot: Slot, corners: Cell<N>) {
         debug_assert!(!self.is_live(slot), "slot {slot} is taken");
+        debug_assert!(self.free.is_empty(), "plans deal in slots, so a cell by name may not");
         self.cells[slot as usize].corners = corners;
         for i in 0..N {
             self.link_corner(slot, i);
@@ -231,7 +232,7 @@ impl<const N: usize> Complex<N> {
     /// a cell that has `to` already is emptied, and told to `died`. O(star of `from`), and for each cell that dies the
     /// stars of its other corners.
     #[inline]
-    pub fn merge_star(
+    pub fn join_star(
         &mut self,
         from: VertexId,
         to: VertexId,
@@ -262,7 +263,7 @@ impl<const N: usize> Complex<N> {
     /// Deals out the star of `from`: each cell around it gets what `choose` says for that corner, which may be `from`
     /// itself; the others are told to `moved`. O(star of `from`).
     #[inline]
-    pub fn split_star(
+    pub fn part_star(
         &mut self,
         from: VertexId,
         mut choose: impl FnMut(Slot, usize) -> VertexId,

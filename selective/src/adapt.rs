@@ -3,7 +3,7 @@
 use crate::criterion::Criterion;
 use crate::extract::{expand, expand_by_priority};
 use crate::judge::Judge;
-use crate::state::{Limits, Outcome, Search, State};
+use crate::state::{Limits, Outcome, State};
 use mt_core::bits::ones;
 use mt_core::{Front, MultiTessellation, NodeId, Rule, Sink, Step};
 use std::time::Instant;
@@ -77,19 +77,19 @@ fn adapt_within<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     state: &mut State<N, M, S>,
 ) -> Outcome {
     let start = state.steps.len();
-    let mut search = state.search.take().unwrap_or_else(|| Box::new(Search::new(model)));
-    search.reset();
-    let target = &mut search.state;
+    let mut target = state.search.take().unwrap_or_else(|| Box::new(State::new(model, ())));
+    // Back to the base mesh by the steps that led away from it.
+    target.roll_back(model, 0);
     // Swapped, not copied: the chains of the search are those of the call.
     std::mem::swap(&mut target.scratch.chains, &mut state.scratch.chains);
     target.scratch.open.clear();
     model.roots(&mut target.scratch.open);
     let judge = Judge::new(model, criterion, &state.view.front);
-    let wanted = expand_by_priority(&judge, Some(cells_max), None, target);
+    let wanted = expand_by_priority(&judge, Some(cells_max), None, &mut target);
     std::mem::swap(&mut target.scratch.chains, &mut state.scratch.chains);
     let until = Until { deadline, cells_max: Some(cells_max) };
     let reached = approach_until(model, &target.view.front, until, state);
-    state.search = Some(search);
+    state.search = Some(target);
     let base = Front::default();
     let outcome = state.outcome_since(start, wanted.forced, reached.complete && wanted.complete);
     outcome.with_runs(Judge::new(model, criterion, &base).whole_runs(state, start))

@@ -19,30 +19,8 @@ pub struct State<const N: usize, M: MultiTessellation<N>, S> {
     /// Every step taken, in order; the caller may clear it at any time.
     pub steps: Vec<Step>,
     pub(crate) scratch: Scratch,
-    /// Where a front that fits a budget is looked for; made when it is first needed.
-    pub(crate) search: Option<Box<Search<N, M>>>,
-}
-
-/// A state by itself in which to look for a front, always from the base mesh.
-#[derive(Clone, Debug)]
-pub(crate) struct Search<const N: usize, M: MultiTessellation<N>> {
-    base: M::Mesh,
-    pub(crate) state: State<N, M, ()>,
-}
-
-impl<const N: usize, M: MultiTessellation<N>> Search<N, M> {
-    pub(crate) fn new(model: &M) -> Self {
-        Self { base: model.base(), state: State::new(model, ()) }
-    }
-
-    /// Back to the base mesh, in the memory that is there. Dearer to undo than to copy: O(cells of the model / 64).
-    pub(crate) fn reset(&mut self) {
-        let State { view, steps, .. } = &mut self.state;
-        for step in steps.drain(..) {
-            view.front.set(step.node, false);
-        }
-        view.mesh.clone_from(&self.base);
-    }
+    /// Where a front that fits a budget is looked for, always from the base mesh; made when it is first needed.
+    pub(crate) search: Option<Box<State<N, M, ()>>>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -179,7 +157,9 @@ impl<const N: usize, M: MultiTessellation<N>, S: Sink<N>> State<N, M, S> {
             let before = chain.len();
             model.prerequisites(top, &self.view, &mut chain);
             // Larger ids, and not yet refined: so the chain ends.
-            debug_assert!(chain[before..].iter().all(|&need| need > top && !self.view.front.is_refined(need)));
+            // A model that says otherwise would be asked for ever.
+            assert!(chain[before..].iter().all(|&need| need > top), "node {top} waits for a node of no higher rank");
+            debug_assert!(chain[before..].iter().all(|&need| !self.view.front.is_refined(need)));
             if chain.len() == before {
                 chain.pop();
                 self.take(model, Step::refine(top));

@@ -97,7 +97,7 @@ impl Study {
     fn observe(&self, subjects: &[Subject], config: &Config) -> Result<Results, CommandError> {
         let mut progress = Progress::new("studying", 1000);
         let mut cache: Box<dyn study::Cache> =
-            if self.no_cache { Box::new(study::NoCache) } else { Box::new(Folder(self.output.join("built"))) };
+            if self.no_cache { Box::new(study::NoCache) } else { Box::new(Folder::new(self.output.join("built"))) };
         let results = study::run(subjects, config, &mut *cache, &mut |_, share| progress.at((share * 1000.0) as u64));
         drop(progress);
         match results {
@@ -175,12 +175,19 @@ where
     seen.iter().map(parse).collect()
 }
 
-/// Built models of earlier runs, a file each.
-struct Folder(PathBuf);
+/// Built models of earlier runs of this very program, a file each: another build may coarsen otherwise.
+struct Folder {
+    path: PathBuf,
+    program: String,
+}
 
 impl Folder {
+    fn new(path: PathBuf) -> Self {
+        Self { path, program: files::program_mark() }
+    }
+
     fn place(&self, key: &str) -> PathBuf {
-        self.0.join(format!("{key}.built"))
+        self.path.join(format!("{key}-{}.built", self.program))
     }
 }
 
@@ -191,7 +198,7 @@ impl study::Cache for Folder {
 
     fn store(&mut self, key: &str, bytes: &[u8]) {
         // What cannot be kept is built again the next time; the study itself loses nothing.
-        let kept = files::make_folder(&self.0).and_then(|_| files::write_bytes(&self.place(key), bytes));
+        let kept = files::make_folder(&self.path).and_then(|_| files::write_bytes(&self.place(key), bytes));
         if let Err(error) = kept {
             eprintln!("warning: the model is not kept for the next run: {error}");
         }

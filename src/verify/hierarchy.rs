@@ -8,7 +8,7 @@ use mt_core::check::{self, Breach, Domain, Law, Random};
 use mt_core::hierarchy::{Dependency, VertexMesh};
 use mt_core::model::{MultiTessellation, Step, View, cells_of, mesh_of};
 use mt_core::{Front, Hierarchy, NodeId, Order, Rule};
-use selective::{State, approach};
+use selective::{Limits, State, adapt, approach};
 
 /// Checks every law that a hierarchy claims: those on the whole once, the others at each random front.
 ///
@@ -85,6 +85,7 @@ impl<'a, D: Dependency + Send> Laws<'a, D> {
         let order = check::order_of(model)?;
         held(summary, Law::Order);
         check::forest_saturation(model)?;
+        check::patch_bounds(replay)?;
         held(summary, Law::Saturation);
         let reference = replay.reference();
         check::ends(model, &reference)?;
@@ -95,6 +96,25 @@ impl<'a, D: Dependency + Send> Laws<'a, D> {
             (domain.manifold, domain.oriented) = (false, false);
         }
         Ok(Self { model, order, domain })
+    }
+
+    /// The mesh of a view is the quotient, and has no cracks.
+    fn is_a_mesh(&self, view: &View<VertexMesh>, summary: &mut Summary) -> Result<(), Breach> {
+        let (model, replay) = (self.model, &self.model.replay);
+        let cells = cells_of(model, &view.mesh);
+        let oracle = check::quotient(replay, &view.front);
+        if cells != oracle {
+            let odd = cells.iter().zip(&oracle).find(|(a, b)| a != b);
+            let what =
+                format!("the mesh has {} cells, the quotient {}; first difference {odd:?}", cells.len(), oracle.len());
+            return Err(Breach { law: Law::Quotient, what, node: None });
+        }
+        held(summary, Law::Quotient);
+        let corners: Vec<_> = cells.into_iter().map(|(_, corners)| corners).collect();
+        let boundary = check::boundary_chain(replay, &view.front);
+        check::crack_free(&corners, model.positions(), &self.domain, &boundary)?;
+        held(summary, Law::CrackFree);
+        Ok(())
     }
 
     /// Every law at the front of `view`, which is left as it was.
@@ -108,27 +128,37 @@ impl<'a, D: Dependency + Send> Laws<'a, D> {
                 format!("node {node} is refined before node {parent}, its parent"),
             );
         }
-        let cells = cells_of(model, &view.mesh);
-        let oracle = check::quotient(replay, &view.front);
-        if cells != oracle {
-            let odd = cells.iter().zip(&oracle).find(|(a, b)| a != b);
-            let what =
-                format!("the mesh has {} cells, the quotient {}; first difference {odd:?}", cells.len(), oracle.len());
-            return breach(Law::Quotient, None, what);
-        }
-        held(summary, Law::Quotient);
-        let corners: Vec<_> = cells.into_iter().map(|(_, corners)| corners).collect();
-        let boundary = check::boundary_chain(replay, &view.front);
-        check::crack_free(&corners, model.positions(), &self.domain, &boundary)?;
-        held(summary, Law::CrackFree);
+        self.is_a_mesh(view, summary)?;
         if self.domain.manifold && D::RULE == Rule::Static {
             check::dual_pieces(replay, &view.front)?;
             held(summary, Law::Partition);
         }
         let steps = check::inverse(model, view, random, 16)?;
         *summary.entry(Law::Inverse).or_default() += u64::from(steps);
-        if D::RULE == Rule::Static {
-            self.static_laws(view, random, summary)?;
+        match D::RULE {
+            Rule::Static => self.static_laws(view, random, summary),
+            Rule::Dynamic => self.engine(view, random, summary),
+        }
+    }
+
+    /// What the engine makes of a random wish, without a budget and under one, is a mesh like any other.
+    fn engine(&self, view: &View<VertexMesh>, random: &mut Random, summary: &mut Summary) -> Result<(), Breach> {
+        if self.model.is_empty() {
+            return Ok(());
+        }
+        let wish = minimality::draw(self.model, random);
+        let mut state = State::new(self.model, ());
+        state.view = view.clone();
+        let base = self.model.base_view();
+        let most = self.model.cell_count(&base.mesh) + random.below(1 + self.model.len() as usize) as u32;
+        for cells in [None, Some(most)] {
+            adapt(self.model, &wish, &Limits { cells, time: None }, &mut state);
+            self.is_a_mesh(&state.view, summary)?;
+            let count = self.model.cell_count(&state.view.mesh);
+            if cells.is_some_and(|most| count > most) {
+                let what = format!("{count} cells under a budget of {most}");
+                return Err(Breach { law: Law::Minimality, what, node: None });
+            }
         }
         Ok(())
     }

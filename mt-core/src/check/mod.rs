@@ -20,7 +20,7 @@ pub use fronts::random_front;
 pub use mesh::crack_free;
 pub use mirror::Mirror;
 pub use oracle::{front_determines_mesh, set_algebra};
-pub use quotient::{active_ancestors, boundary_chain, dual_pieces, is_cut, quotient};
+pub use quotient::{active_ancestors, boundary_chain, dual_pieces, is_cut, patch_bounds, quotient};
 pub use steps::{closure, ends, inverse, order, order_from_cells, order_of};
 
 use crate::id::NodeId;

@@ -1,14 +1,18 @@
-//! The slow oracle of vertex hierarchies: the input, relabelled by active ancestors. Walks the forest vertex by vertex
-//! and shares nothing with the replay but the sequence itself.
+//! The slow oracle of vertex hierarchies: the input, relabelled by active ancestors. It walks the forest vertex by vertex;
+//! of the replay it reads who is merged where, and neither spans nor what appears at a node.
 
 use super::{Breach, Law, ensure};
+use crate::bound::Cone;
 use crate::cell::{Cell, Facet, facets, is_proper};
 use crate::front::Front;
-use crate::hierarchy::Replay;
+use crate::hierarchy::{Replay, VertexMesh};
 use crate::id::{CellId, NodeId, VertexId};
+use crate::mesh::area_vector;
+use crate::model::View;
+use glam::Vec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// The active vertex above each input vertex. O(vertices × depth at worst, once for each merged vertex).
+/// The active vertex above each input vertex. O(vertices).
 pub fn active_ancestors(replay: &Replay, front: &Front) -> Vec<VertexId> {
     // A vertex of the forest passes its leaves on when the node that merges it is coarse; later ones are further up.
     let mut above: Vec<VertexId> = (0..replay.vertex_count()).map(VertexId).collect();
@@ -66,16 +70,17 @@ pub fn dual_pieces(replay: &Replay, front: &Front) -> Result<(), Breach> {
     let mut active: Vec<VertexId> = above.clone();
     active.sort_unstable();
     active.dedup();
-    let mut spans: Vec<_> = active.iter().map(|&v| replay.span(v)).collect();
+    // A fan that is merged in part stands for the part.
+    let piece = |v: VertexId| replay.latest(v, front).map_or_else(|| replay.span(v), |m| replay.span_at(m));
+    let mut spans: Vec<_> = active.iter().map(|&v| piece(v)).collect();
     spans.sort_unstable_by_key(|span| span.first);
     let mut reached = 0;
-    for span in spans.iter().filter(|_| replay.is_single()) {
+    for span in &spans {
         let meets = span.first == reached;
         ensure!(meets, Law::Partition, None, "leaves {reached} to {} are in no piece, or in two", span.first);
         reached = span.end;
     }
-    let covered = !replay.is_single() || reached == replay.leaf_count();
-    ensure!(covered, Law::Partition, None, "leaves from {reached} on are in no piece");
+    ensure!(reached == replay.leaf_count(), Law::Partition, None, "leaves from {reached} on are in no piece");
     one_portion(replay, &above)
 }
 
@@ -123,5 +128,41 @@ fn one_portion(replay: &Replay, above: &[VertexId]) -> Result<(), Breach> {
             "the pieces of vertices {v} and {w} share two portions of boundary"
         );
     }
+    Ok(())
+}
+
+/// Saturation of a hierarchy's own bounds: the sphere and the cone of each node hold the triangles around it before and
+/// after it is coarsened. Together with [`super::forest_saturation`] that is the whole law. O(stars of all merges).
+pub fn patch_bounds(replay: &Replay) -> Result<(), Breach> {
+    let mut broken = Ok(());
+    let corners = |view: &View<VertexMesh>, v: VertexId| -> Vec<[Vec3; 3]> {
+        let star = view.mesh.faces.star(v);
+        star.map(|(slot, _)| view.mesh.faces.cell(slot).map(|w| replay.positions()[w.index()])).collect()
+    };
+    let mut last: Option<NodeId> = None;
+    replay.sweep(|m, view| {
+        if broken.is_ok() {
+            let before = replay.ends(m).into_iter().flat_map(|end| corners(view, end));
+            broken = before.map(|cell| holds(replay, m, cell)).collect();
+        }
+        // What this mesh has around the vertex made last is what that node leaves.
+        if let Some(made) = last.filter(|_| broken.is_ok()) {
+            broken = corners(view, replay.vertex(made)).into_iter().map(|cell| holds(replay, made, cell)).collect();
+        }
+        last = Some(m);
+    });
+    broken
+}
+
+fn holds(replay: &Replay, m: NodeId, cell: [Vec3; 3]) -> Result<(), Breach> {
+    let bound = replay.bound(m);
+    for p in cell {
+        let apart = p.as_dvec3().distance(bound.center.as_dvec3());
+        ensure!(apart <= f64::from(bound.radius), Law::Saturation, m, "{p} of node {m}'s patch is outside its sphere");
+    }
+    let normal = area_vector(cell.map(|p| p.as_dvec3())).as_vec3();
+    let (Some(normal), Some((axis, angle))) = (normal.try_normalize(), bound.cone.get()) else { return Ok(()) };
+    let held = bound.cone == Cone::ALL || axis.angle_between(normal) <= angle;
+    ensure!(held, Law::Saturation, m, "a normal of node {m}'s patch is outside its cone");
     Ok(())
 }

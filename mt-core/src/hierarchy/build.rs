@@ -1,9 +1,10 @@
 //! From a sequence of merges to a replay: the forest, its spans, what each node makes appear, and saturated bounds.
 
 use super::mesh::VertexMesh;
+use super::patch::{PatchBound, Surroundings};
 use super::replay::{Born, Merge, Node, Replay, Runs, Span};
 use super::sequence::Sequence;
-use crate::bound::{Bound, Cone, cone_of_cells};
+use crate::bound::{Bound, Cone};
 use crate::cell::{Cell, is_proper};
 use crate::id::{CellId, NodeId, VertexId};
 use crate::mesh::Mesh;
@@ -42,8 +43,11 @@ pub enum InvalidSequence {
     /// A triangle or link of the input has a corner that is no vertex, or one twice.
     #[error("cell {0} of the input has a corner that is no vertex, or one corner twice")]
     Corners(usize),
+    /// A merge is said to keep its centre and puts the merged vertex elsewhere.
+    #[error("merge {0} is said to keep its centre where it is, but moves it")]
+    Moved(u32),
     /// More than 32-bit ids can name.
-    #[error("more vertices than 32-bit ids can name")]
+    #[error("more vertices, triangles or links than 32-bit ids can name")]
     TooLarge,
 }
 
@@ -121,14 +125,14 @@ impl Replay {
     fn coarsen_all(&mut self) {
         let mut mesh = VertexMesh::of_input(self);
         let mut patch = PatchBound::default();
-        let mut link = Vec::new();
+        let mut around = Surroundings::default();
         let used = |v: &VertexId| mesh.faces.has_star(*v);
-        self.is_manifold = (0..self.leaf_count()).map(VertexId).filter(used).all(|v| is_umbrella(&mesh, v, &mut link));
+        self.is_manifold = (0..self.leaf_count()).map(VertexId).filter(used).all(|v| around.is_umbrella(&mesh, v));
         let (mut starts, mut link_starts) = (vec![0], vec![0]);
         let (mut born, mut born_links) = (Vec::with_capacity(self.cells.len()), Vec::with_capacity(self.links.len()));
         for m in (0..self.len()).map(NodeId) {
             let of_patch = patch.measure(self, &mesh, m);
-            let shared = shared_neighbours(self, &mesh, m);
+            let shared = around.shared(&mesh, self.ends(m));
             mesh.join(
                 self,
                 m,
@@ -141,7 +145,7 @@ impl Replay {
             }
             // A third neighbour in common is a loop that closes: a waist, or a hole with three edges.
             let closes = shared != (born.len() - starts[m.index()] as usize);
-            if closes || !is_umbrella(&mesh, self.vertex(m), &mut link) {
+            if closes || !around.is_umbrella(&mesh, self.vertex(m)) {
                 self.sewn.push(m);
             }
             let cone = patch.cone_after(self, &mesh, m).union(of_patch.1);
@@ -166,52 +170,6 @@ impl Replay {
     }
 }
 
-/// How many vertices are neighbours of both ends of `m`, across triangles.
-fn shared_neighbours(replay: &Replay, mesh: &VertexMesh, m: NodeId) -> usize {
-    let merge = replay.merge_of(m);
-    let is_first = m == *replay.run_of(merge).start();
-    let center = if is_first { replay.merge(merge).center } else { replay.vertex(m) };
-    let child = replay.node(m).child;
-    let around = |v: VertexId| {
-        mesh.faces.star(v).flat_map(move |(slot, i)| {
-            let cell = mesh.faces.cell(slot);
-            [cell[(i + 1) % 3], cell[(i + 2) % 3]]
-        })
-    };
-    let mut shared: Vec<VertexId> = around(child).filter(|&w| around(center).any(|x| x == w)).collect();
-    shared.sort_unstable();
-    shared.dedup();
-    shared.len()
-}
-
-/// Whether the triangles around `v` form one fan, open or closed, of at least two different triangles where it is closed.
-/// O(star²), but for stars in order O(star).
-fn is_umbrella(mesh: &VertexMesh, v: VertexId, link: &mut Vec<[VertexId; 2]>) -> bool {
-    link.clear();
-    link.extend(mesh.faces.star(v).map(|(slot, i)| {
-        let cell = mesh.faces.cell(slot);
-        [cell[(i + 1) % 3], cell[(i + 2) % 3]]
-    }));
-    let Some(&[start, mut tip]) = link.first() else { return false };
-    let (mut back, mut at) = (start, 1);
-    // A chain of edges grows at its tip, and when that is stuck at its back.
-    while at < link.len() {
-        let next = (at..link.len()).find(|&i| link[i].contains(&tip));
-        let grown = next.or_else(|| (at..link.len()).find(|&i| link[i].contains(&back)));
-        let Some(i) = grown else { return false };
-        link.swap(at, i);
-        let [a, b] = link[at];
-        let end = if next.is_some() { &mut tip } else { &mut back };
-        *end = if a == *end { b } else { a };
-        at += 1;
-    }
-    // Each vertex of the link lies on two of its edges; on one at the ends of an open fan.
-    let mut ends: Vec<VertexId> = link.iter().flatten().copied().collect();
-    ends.sort_unstable();
-    let simple = ends.chunk_by(|a, b| a == b).all(|run| run.len() <= 2);
-    simple && !(link.len() == 2 && tip == back)
-}
-
 /// The least radius, rounded up, of a sphere about `center` that holds `inner`, not below `radius`.
 fn radius_around(center: Vec3, radius: f32, inner: &Bound) -> f32 {
     let apart = center.as_dvec3().distance(inner.center.as_dvec3());
@@ -226,7 +184,10 @@ fn check(mesh: &Mesh<3>, links: &[Cell<2>], sequence: &Sequence) -> Result<(), I
         return Err(OtherMesh { told: sequence.input_vertex_count, found: mesh.vertex_count() });
     }
     let (merges, nodes) = (sequence.centers.len(), sequence.children.len());
-    if mesh.vertex_count() + merges >= u32::MAX as usize || mesh.cell_count() >= u32::MAX as usize / 3 {
+    if mesh.vertex_count() + merges >= u32::MAX as usize
+        || mesh.cell_count() >= u32::MAX as usize / 3
+        || links.len() >= u32::MAX as usize / 2
+    {
         return Err(TooLarge);
     }
     let starts = &sequence.starts;
@@ -246,6 +207,17 @@ fn check(mesh: &Mesh<3>, links: &[Cell<2>], sequence: &Sequence) -> Result<(), I
     }
     if let Some(index) = sequence.errors.iter().position(|error| !(error.is_finite() && *error >= 0.0)) {
         return Err(NotFinite { what: "the error of node", index });
+    }
+    let place = |v: VertexId| {
+        let made = v.index().checked_sub(mesh.vertex_count());
+        made.map_or_else(|| mesh.positions.get(v.index()), |merge| sequence.positions.get(merge)).copied()
+    };
+    for merge in sequence.kept.iter().take_while(|&merge| (merge as usize) < merges) {
+        let at = sequence.positions[merge as usize];
+        // What the centre is, if it is anything, is checked with the forest.
+        if place(sequence.centers[merge as usize]).is_some_and(|center| center != at) {
+            return Err(InvalidSequence::Moved(merge));
+        }
     }
     let fits = |v: &VertexId| v.index() < mesh.vertex_count();
     if let Some(index) = mesh.cells.iter().position(|cell| !(cell.iter().all(fits) && is_proper(cell))) {
@@ -313,43 +285,4 @@ fn runs(sequence: &Sequence) -> Runs {
     let sizes = sequence.starts.windows(2).map(|pair| (pair[1] - pair[0]) as usize);
     let merge_of = sizes.enumerate().flat_map(|(merge, size)| std::iter::repeat_n(merge as u32, size)).collect();
     Runs::Many { starts: sequence.starts.clone(), merge_of }
-}
-
-/// Measures patches in buffers of its own.
-#[derive(Default)]
-struct PatchBound {
-    corners: Vec<[Vec3; 3]>,
-    vectors: Vec<Vec3>,
-}
-
-impl PatchBound {
-    /// The radius about the vertex of `m` of the triangles around centre and child, and the cone of their normals.
-    fn measure(&mut self, replay: &Replay, mesh: &VertexMesh, m: NodeId) -> (f32, Cone) {
-        let run = replay.run_of(replay.merge_of(m));
-        let vertex = replay.vertex(m);
-        let center = if m == *run.start() { replay.merge(replay.merge_of(m)).center } else { vertex };
-        let child = replay.node(m).child;
-        self.gather(replay, mesh, [center, child]);
-        let about = replay.positions[vertex.index()].as_dvec3();
-        let ends = [center, child].map(|v| replay.positions[v.index()]);
-        let points = self.corners.iter().flatten().chain(&ends);
-        let reach = points.map(|p| p.as_dvec3().distance_squared(about)).fold(0.0, f64::max).sqrt();
-        (((reach * (1.0 + 1e-14)) as f32).next_up(), cone_of_cells(&self.corners, &mut self.vectors))
-    }
-
-    fn cone_after(&mut self, replay: &Replay, mesh: &VertexMesh, m: NodeId) -> Cone {
-        let vertex = replay.vertex(m);
-        self.gather(replay, mesh, [vertex, vertex]);
-        cone_of_cells(&self.corners, &mut self.vectors)
-    }
-
-    fn gather(&mut self, replay: &Replay, mesh: &VertexMesh, ends: [VertexId; 2]) {
-        self.corners.clear();
-        let distinct = if ends[0] == ends[1] { &ends[..1] } else { &ends[..] };
-        for &end in distinct {
-            for (slot, _) in mesh.faces.star(end) {
-                self.corners.push(mesh.faces.cell(slot).map(|v| replay.positions[v.index()]));
-            }
-        }
-    }
 }

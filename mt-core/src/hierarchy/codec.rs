@@ -23,6 +23,9 @@ pub enum SequenceError {
         /// What is there.
         found: usize,
     },
+    /// A merge that is said to keep its centre is none, or is said so twice.
+    #[error("merge {0} is said to keep its centre, but it is none, or is named twice")]
+    Kept(u32),
     /// The checksum differs.
     #[error("the checksum is wrong: the bytes are damaged")]
     Checksum,
@@ -84,7 +87,11 @@ impl Sequence {
         sequence.children = take(nodes).into_iter().map(VertexId).collect();
         sequence.errors = take(nodes).into_iter().map(f32::from_bits).collect();
         let mut flags = Bits::new(if kept == 0 { 0 } else { merges });
-        take(kept).into_iter().filter(|&merge| merge < merges).for_each(|merge| _ = flags.insert(merge));
+        for merge in take(kept) {
+            if merge >= merges || !flags.insert(merge) {
+                return Err(SequenceError::Kept(merge));
+            }
+        }
         sequence.kept = flags;
         Ok(sequence)
     }
@@ -110,6 +117,30 @@ mod tests {
             (sample().positions, sample().children, sample().starts)
         );
         assert!(again.kept.contains(1) && !again.kept.contains(0));
+    }
+
+    #[test]
+    fn a_head_that_promises_too_much_is_refused() {
+        let sum = |mut bytes: Vec<u8>| {
+            let end = bytes.len() - 4;
+            let crc = crc32fast::hash(&bytes[..end]);
+            bytes[end..].copy_from_slice(&crc.to_le_bytes());
+            bytes
+        };
+        for field in 0..5 {
+            let mut bytes = sample().to_bytes();
+            bytes[8 + 4 * field..12 + 4 * field].copy_from_slice(&u32::MAX.to_le_bytes());
+            let read = Sequence::from_bytes(&sum(bytes));
+            // The number of leaves is for the mesh to confirm; it costs nothing until then.
+            assert!(field == 0 || read.is_err(), "field {field}");
+            if let Ok(read) = read {
+                assert!(crate::Replay::new(&crate::Mesh::default(), &[], &read).is_err());
+            }
+        }
+        let mut twice = sample().to_bytes();
+        let at = twice.len() - 8;
+        twice[at..at + 4].copy_from_slice(&7u32.to_le_bytes());
+        assert_eq!(Sequence::from_bytes(&sum(twice)).map(|_| ()), Err(SequenceError::Kept(7)));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::model::Sink;
 
 /// Run-time state of a view of a vertex hierarchy. A slot is a cell of the input.
 ///
-/// Per triangle of the input 32 bytes, per link 32, per vertex of the forest 4 and a bit.
+/// Per triangle of the input 32 bytes, per link 32, per vertex of the forest 4 and a bit, and 4 more where there are links.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VertexMesh {
     /// The triangles.
@@ -85,23 +85,23 @@ impl VertexMesh {
     }
 
     #[inline]
-    fn split(&mut self, replay: &Replay, m: NodeId, sink: &mut impl Sink<3>) {
-        let split = Split::new(replay, m);
-        let Split { vertex, center, child, .. } = split;
-        self.faces.split_star(
+    fn part(&mut self, replay: &Replay, m: NodeId, sink: &mut impl Sink<3>) {
+        let parts = Parts::new(replay, m);
+        let Parts { vertex, center, child, .. } = parts;
+        self.faces.part_star(
             vertex,
-            |slot, i| split.side(replay, replay.cells[slot as usize][i]).unwrap_or(center),
+            |slot, i| parts.side(replay, replay.cells[slot as usize][i]).unwrap_or(center),
             |slot, corners| sink.relabel(CellId(slot), *corners),
         );
         for &cell in replay.born(m) {
             let corners = replay.cells[cell.index()].map(|leaf| {
-                split.side(replay, leaf).unwrap_or_else(|| self.above_near(replay, leaf, &[child, center]))
+                parts.side(replay, leaf).unwrap_or_else(|| self.above_near(replay, leaf, &[child, center]))
             });
             self.faces.put(cell.0, corners);
             sink.make(cell, corners);
         }
         if !replay.links.is_empty() {
-            self.split_links(replay, m, &split);
+            self.part_links(replay, m, &parts);
         }
         if center != vertex {
             self.active.remove(vertex.0);
@@ -110,17 +110,17 @@ impl VertexMesh {
         self.active.insert(child.0);
     }
 
-    fn split_links(&mut self, replay: &Replay, m: NodeId, split: &Split) {
-        let side = |slot: Slot, i| split.side(replay, replay.links[slot as usize][i]).unwrap_or(split.center);
-        self.links.split_star(split.vertex, side, |_, _| {});
+    fn part_links(&mut self, replay: &Replay, m: NodeId, parts: &Parts) {
+        let side = |slot: Slot, i| parts.side(replay, replay.links[slot as usize][i]).unwrap_or(parts.center);
+        self.links.part_star(parts.vertex, side, |_, _| {});
         for &link in replay.born_links(m) {
-            let ends: Cell<2> = replay.links[link.index()].map(|leaf| split.side(replay, leaf).expect("an end of it"));
+            let ends: Cell<2> = replay.links[link.index()].map(|leaf| parts.side(replay, leaf).expect("an end of it"));
             self.links.put(link.0, ends);
         }
     }
 
     #[inline]
-    fn merge(&mut self, replay: &Replay, m: NodeId, sink: &mut impl Sink<3>) {
+    fn unite(&mut self, replay: &Replay, m: NodeId, sink: &mut impl Sink<3>) {
         for &cell in replay.born(m) {
             self.faces.remove(cell.0);
             sink.kill(cell);
@@ -139,14 +139,14 @@ impl VertexMesh {
         mut moved: impl FnMut(Slot, &Cell<3>),
         mut died: impl FnMut(Slot, bool),
     ) {
-        let Split { vertex, center, child, .. } = Split::new(replay, m);
+        let Parts { vertex, center, child, .. } = Parts::new(replay, m);
         for from in [center, child] {
             if from == vertex {
                 continue;
             }
-            self.faces.merge_star(from, vertex, &mut moved, |slot| died(slot, false));
+            self.faces.join_star(from, vertex, &mut moved, |slot| died(slot, false));
             if !replay.links.is_empty() {
-                self.links.merge_star(from, vertex, |_, _| {}, |slot| died(slot, true));
+                self.links.join_star(from, vertex, |_, _| {}, |slot| died(slot, true));
             }
             self.active.remove(from.0);
         }
@@ -157,22 +157,23 @@ impl VertexMesh {
 impl Replay {
     /// Takes the child of `m` out of its vertex. Requires: the vertex is active, and `m` the latest coarse node of its run.
     ///
-    /// O(star), without allocation or hashing.
+    /// O(star), where the vertex across a triangle that appears is one of the ring; else, and for fans, O(depth) besides.
+    /// Without allocation or hashing.
     #[inline]
     pub fn refine(&self, m: NodeId, mesh: &mut VertexMesh, sink: &mut impl Sink<3>) {
-        mesh.split(self, m, sink);
+        mesh.part(self, m, sink);
     }
 
     /// Puts the child of `m` into its vertex. Requires: child and centre are active, where the centre of a run that is
     /// coarse in part is the merged vertex. O(stars), without allocation or hashing.
     #[inline]
     pub fn coarsen(&self, m: NodeId, mesh: &mut VertexMesh, sink: &mut impl Sink<3>) {
-        mesh.merge(self, m, sink);
+        mesh.unite(self, m, sink);
     }
 }
 
 /// What a node does to names: the vertex falls into the centre, which may be itself, and the child.
-struct Split {
+struct Parts {
     vertex: VertexId,
     /// What stays when the child goes: the vertex itself while others of the run are merged, else the centre.
     center: VertexId,
@@ -181,15 +182,13 @@ struct Split {
     of_child: super::Span,
 }
 
-impl Split {
+impl Parts {
     #[inline]
     fn new(replay: &Replay, m: NodeId) -> Self {
-        let number = replay.merge_of(m);
-        let merge = replay.merge(number);
-        let vertex = VertexId(replay.leaf_count() + number);
-        let child = replay.node(m).child;
+        let [center, child] = replay.ends(m);
         let of_child = replay.span(child);
-        let center = if m == *replay.run_of(number).start() { merge.center } else { vertex };
+        let merge = replay.merge(replay.merge_of(m));
+        let vertex = replay.vertex(m);
         let of_center = super::Span { first: merge.span.first, end: of_child.first };
         Self { vertex, center, child, of_center, of_child }
     }

@@ -20,8 +20,11 @@ mod build;
 mod codec;
 mod dependency;
 mod mesh;
+mod patch;
 mod replay;
 mod sequence;
+#[cfg(test)]
+mod tests;
 
 pub use build::{HierarchyError, InvalidSequence};
 pub use codec::SequenceError;

@@ -7,6 +7,7 @@ use crate::cell::Cell;
 use crate::front::Front;
 use crate::id::{CellId, NodeId, VertexId};
 use crate::mesh::Mesh;
+use crate::model::View;
 use glam::Vec3;
 use std::ops::RangeInclusive;
 
@@ -234,6 +235,27 @@ impl Replay {
         VertexId(self.leaf_count() + self.merge_of(m))
     }
 
+    /// The two vertices that `m` makes one: the one that stays, and the child. What stays is the centre of the merge, or the
+    /// merged vertex itself while others of its run are coarse.
+    #[inline]
+    pub fn ends(&self, m: NodeId) -> [VertexId; 2] {
+        let merge = self.merge_of(m);
+        let is_first = m == *self.run_of(merge).start();
+        let stays = if is_first { self.merges[merge as usize].center } else { VertexId(self.leaf_count() + merge) };
+        [stays, self.nodes[m.index()].child]
+    }
+
+    /// Replays the whole analysis: coarsens node after node from the input, and shows each with the mesh just before it.
+    /// O(stars of all merges).
+    pub fn sweep(&self, mut visit: impl FnMut(NodeId, &View<VertexMesh>)) {
+        let mut view = View { front: Front::reference(self.len()), mesh: self.reference_mesh() };
+        for m in (0..self.len()).map(NodeId) {
+            visit(m, &view);
+            self.coarsen(m, &mut view.mesh, &mut ());
+            view.front.set(m, false);
+        }
+    }
+
     /// The merge that makes a vertex; `None` for leaves.
     #[inline]
     pub fn merge_making(&self, v: VertexId) -> Option<u32> {
@@ -324,11 +346,17 @@ impl Replay {
     }
 
     /// The node whose vertex `v` is at this front: the last one of its run that is coarse. `None` for leaves.
+    /// O(log run).
     #[inline]
     pub fn latest(&self, v: VertexId, front: &Front) -> Option<NodeId> {
         let run = self.run_of(self.merge_making(v)?);
-        let (first, last) = (run.start().0, run.end().0);
-        (first..=last).rev().map(NodeId).find(|&m| !front.is_refined(m))
+        // Within a run each node needs the next, so what is refined comes last.
+        let (mut low, mut high) = (run.start().0, run.end().0 + 1);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if front.is_refined(NodeId(middle)) { high = middle } else { low = middle + 1 }
+        }
+        (low > run.start().0).then(|| NodeId(low - 1))
     }
 
     /// The node at which `v` changes next when coarsening: the next one of its run, or the one at which it is merged.

@@ -30,7 +30,7 @@ pub struct Sequence {
     pub errors: Vec<f32>,
     /// The merges that leave the centre where it is and its own cells alone (half-edge collapses and fans).
     pub kept: Bits,
-    /// Vertices of the draft that have been merged or made, by their current names here.
+    /// The current names of the draft's vertices, while an analysis is being heard; empty before.
     names: Vec<VertexId>,
 }
 
@@ -42,12 +42,7 @@ impl Sequence {
 
     /// No merges yet of a mesh of so many vertices.
     pub fn with_input(input_vertex_count: u32) -> Self {
-        Self {
-            input_vertex_count,
-            starts: vec![0],
-            names: (0..input_vertex_count).map(VertexId).collect(),
-            ..Self::default()
-        }
+        Self { input_vertex_count, starts: vec![0], ..Self::default() }
     }
 
     /// Number of merges.
@@ -100,6 +95,9 @@ impl Sequence {
 
 impl Listener<3> for Sequence {
     fn applying(&mut self, draft: &Draft<3>, plan: &Plan<3>) -> Result<(), HistoryError> {
+        if self.names.is_empty() {
+            self.names.extend((0..self.input_vertex_count).map(VertexId));
+        }
         let (center, others, position) = match (plan.kept, plan.vertices.as_slice(), plan.retired.as_slice()) {
             (Some(kept), [], others @ [_, ..]) => (kept, others, draft.positions[kept.index()]),
             (None, &[position], [first, others @ ..]) if !others.is_empty() => (*first, others, position),

@@ -2,41 +2,17 @@
 //! around it is what it was at analysis.
 
 use super::lowest::Lowest;
-use mt_core::hierarchy::{HierarchyError, VertexMesh};
-use mt_core::{Front, NodeId, Replay, VertexId, View};
+use mt_core::hierarchy::HierarchyError;
+use mt_core::{NodeId, Replay};
 
 type Entries = Vec<(NodeId, NodeId)>;
-
-/// The mesh just before node `m` is coarsened: its two vertices, and everything around them.
-pub(super) struct Before<'a> {
-    pub(super) m: NodeId,
-    /// The vertex that stays, and the one that joins.
-    pub(super) ends: [VertexId; 2],
-    pub(super) view: &'a View<VertexMesh>,
-}
-
-/// Coarsens everything in the sequence of analysis.
-pub(super) fn sweep(replay: &Replay, mut visit: impl FnMut(Before<'_>)) {
-    let mut view = View { front: Front::reference(replay.len()), mesh: replay.reference_mesh() };
-    for m in (0..replay.len()).map(NodeId) {
-        visit(Before { m, ends: ends(replay, m), view: &view });
-        replay.coarsen(m, &mut view.mesh, &mut ());
-        view.front.set(m, false);
-    }
-}
-
-/// The vertex that stays when `m` is coarsened, and the one that joins.
-pub(super) fn ends(replay: &Replay, m: NodeId) -> [VertexId; 2] {
-    let merge = replay.merge_of(m);
-    let first = *replay.run_of(merge).start();
-    [if m == first { replay.merge(merge).center } else { replay.vertex(m) }, replay.node(m).child]
-}
 
 /// Every vertex around the merged one is there or refined, across virtual edges as well.
 pub(super) fn one_ring(replay: &Replay) -> Entries {
     let mut entries = Vec::new();
     let mut ring = Vec::new();
-    sweep(replay, |Before { m, ends, view }| {
+    replay.sweep(|m, view| {
+        let ends = replay.ends(m);
         ring.clear();
         ring.extend(ends.into_iter().flat_map(|end| view.mesh.ring(end)).filter(|w| !ends.contains(w)));
         ring.sort_unstable();
@@ -51,7 +27,8 @@ pub(super) fn one_ring(replay: &Replay) -> Entries {
 pub(super) fn explicit(replay: &Replay) -> Entries {
     let mut entries = Vec::new();
     let mut maker = vec![NodeId::NONE; replay.cells().len()];
-    sweep(replay, |Before { m, ends, view }| {
+    replay.sweep(|m, view| {
+        let ends = replay.ends(m);
         let changed = if replay.keeps_center(replay.merge_of(m)) { &ends[1..] } else { &ends[..] };
         for (slot, _) in changed.iter().flat_map(|&end| view.mesh.faces.star(end)) {
             let made = std::mem::replace(&mut maker[slot as usize], m);
@@ -66,7 +43,8 @@ pub(super) fn explicit(replay: &Replay) -> Entries {
 /// The vertices opposite the edge are there or refined.
 pub(super) fn cut_pair(replay: &Replay) -> Entries {
     let mut entries = Vec::new();
-    sweep(replay, |Before { m, ends, view }| {
+    replay.sweep(|m, view| {
+        let ends = replay.ends(m);
         for cell in replay.born(m) {
             let opposite = view.mesh.faces.cell(cell.0).iter().find(|w| !ends.contains(w));
             let made = opposite.map(|&w| replay.next(w, &view.front)).filter(|node| !node.is_none());
@@ -83,7 +61,8 @@ pub(super) fn four_face(replay: &Replay) -> Entries {
         replay.born(m).iter().for_each(|cell| death[cell.index()] = m);
     }
     let mut entries = Vec::new();
-    sweep(replay, |Before { m, ends, view }| {
+    replay.sweep(|m, view| {
+        let ends = replay.ends(m);
         let faces = &view.mesh.faces;
         for cell in replay.born(m) {
             let Some(&apex) = faces.cell(cell.0).iter().find(|w| !ends.contains(w)) else { continue };
@@ -119,7 +98,7 @@ pub(super) fn dual_piece(replay: &Replay) -> Entries {
 }
 
 /// Schemes that cut a vertex along two edges take manifolds that stay manifolds alone.
-pub(super) fn refuse_pairs(replay: &Replay, scheme: &'static str) -> Result<(), HierarchyError> {
+pub(super) fn require_manifold(replay: &Replay, scheme: &'static str) -> Result<(), HierarchyError> {
     let (nodes, why): (&[NodeId], &str) = if !replay.links().is_empty() {
         (replay.sewn(), "it merges pairs, which need not share a triangle")
     } else if !replay.sewn().is_empty() {
@@ -137,7 +116,8 @@ pub(super) fn refuse_pairs(replay: &Replay, scheme: &'static str) -> Result<(), 
 /// The least and the largest id around each merged vertex at analysis.
 pub(super) fn one_ring_ids(replay: &Replay) -> Vec<[u32; 2]> {
     let mut ranges = Vec::with_capacity(replay.len() as usize);
-    sweep(replay, |Before { ends, view, .. }| {
+    replay.sweep(|m, view| {
+        let ends = replay.ends(m);
         let ring = ends.into_iter().flat_map(|end| view.mesh.ring(end)).filter(|w| !ends.contains(w));
         let ids = ring.map(|w| super::implicit::id_of(replay, w, view));
         ranges.push(ids.fold([u32::MAX, 0], |[least, most], id| [least.min(id), most.max(id)]));

@@ -1,6 +1,6 @@
 //! The rules of `[KimLee2001]` as the paper has them: free of any order, and of its laws.
 
-use super::derive::{ends, refuse_pairs};
+use super::derive::require_manifold;
 use mt_core::hierarchy::{Dependency, HierarchyError, VertexMesh};
 use mt_core::{CellId, Coarsen, NodeId, Replay, Rule, VertexId, View};
 
@@ -15,7 +15,7 @@ pub struct DualPieceFree(());
 impl DualPieceFree {
     /// The rules on a sequence of edge collapses of a manifold; others are refused.
     pub fn new(replay: &Replay) -> Result<Self, HierarchyError> {
-        refuse_pairs(replay, "dual-piece-free").map(|()| Self(()))
+        require_manifold(replay, "dual-piece-free").map(|()| Self(()))
     }
 }
 
@@ -41,7 +41,7 @@ impl Dependency for DualPieceFree {
     }
 
     fn obstacles(&self, replay: &Replay, m: NodeId, view: &View<VertexMesh>, _: &mut Vec<NodeId>) -> Coarsen {
-        let [center, child] = ends(replay, m);
+        let [center, child] = replay.ends(m);
         let cells = || replay.born(m).iter().map(|cell| view.mesh.faces.cell(cell.0));
         let is_cut = |w: VertexId| cells().any(|corners| corners.contains(&w));
         let mut extra = view.mesh.ring(child).filter(|&w| !is_cut(w));

@@ -16,7 +16,7 @@ pub struct Stored {
 impl Stored {
     /// The order of these needs (node, needed), less those that the forest or another need implies.
     ///
-    /// Refuses needs of no higher rank. O(entries log entries).
+    /// Refuses needs of no higher rank. O(entries log entries + squares of rows), and a bounded search for each need.
     pub(super) fn reduced(replay: &Replay, mut entries: Vec<(NodeId, NodeId)>) -> Result<Self, OrderError> {
         entries.sort_unstable();
         entries.dedup();
@@ -64,7 +64,7 @@ impl Stored {
 
     /// The order of `[Hoppe1996]`: the two vertices opposite the edge are there, or refined.
     pub fn cut_pair(replay: &Replay) -> Result<Self, HierarchyError> {
-        derive::refuse_pairs(replay, "cut-pair")?;
+        derive::require_manifold(replay, "cut-pair")?;
         Ok(Self::derived(replay, derive::cut_pair(replay)))
     }
 
@@ -73,7 +73,7 @@ impl Stored {
     /// At a boundary there are fewer. A triangle may be missing where the scheme would need it to be sound, so the needs of
     /// [`Self::dual_piece`] are always included; on closed meshes they add nothing.
     pub fn four_face(replay: &Replay) -> Result<Self, HierarchyError> {
-        derive::refuse_pairs(replay, "four-face")?;
+        derive::require_manifold(replay, "four-face")?;
         let mut entries = derive::four_face(replay);
         entries.extend(derive::dual_piece(replay));
         Ok(Self::derived(replay, entries))
@@ -81,7 +81,7 @@ impl Stored {
 
     /// The order of `[KimLee2001]`: the lowest common ancestor of the two fundamental cut vertices.
     pub fn dual_piece(replay: &Replay) -> Result<Self, HierarchyError> {
-        derive::refuse_pairs(replay, "dual-piece")?;
+        derive::require_manifold(replay, "dual-piece")?;
         Ok(Self::derived(replay, derive::dual_piece(replay)))
     }
 
@@ -90,7 +90,7 @@ impl Stored {
     /// Refused with a witness unless it contains [`Self::dual_piece`]. O(entries + nodes reached from the few that need more
     /// than their parent).
     pub fn of_user(replay: &Replay, needs: impl IntoIterator<Item = (NodeId, NodeId)>) -> Result<Self, HierarchyError> {
-        derive::refuse_pairs(replay, "an order of your own")?;
+        derive::require_manifold(replay, "an order of your own")?;
         let order = Self::reduced(replay, needs.into_iter().collect())?;
         let sound = Self::dual_piece(replay)?;
         order.contains(replay, &sound).map_err(|(node, needed)| HierarchyError::Unsound { node, needed })?;

@@ -5,7 +5,7 @@ use super::{Built, Degrees, Results, Steps, StudyError, Subject};
 use mt_core::analysis::{Options, Stopped};
 use mt_core::container::{self, Meta};
 use mt_core::hierarchy::HierarchyError;
-use mt_core::{Explicit, Front, NodeId, Recorder, Replay, Sequence, View};
+use mt_core::{Explicit, MultiTessellation, Recorder, Replay, Sequence, VertexId};
 use operators::AnyOperator;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -40,8 +40,12 @@ pub(super) struct Pair {
 struct Kept {
     refusals: Vec<(String, u64)>,
     seconds: f64,
+    seconds_replay: f64,
     container_len: usize,
 }
+
+/// What an analysis made, or the cache had.
+type Found = (Explicit<3>, Sequence, Replay, Kept);
 
 /// A key that changes with the input, the operator with all its options, and the version of the software.
 fn key(subject: &Subject, operator: &AnyOperator) -> String {
@@ -71,17 +75,13 @@ pub(super) fn build(
     steps: &mut Steps<'_>,
 ) -> Result<Pair, StudyError> {
     let key = key(subject, operator);
-    let kept = cache.load(&key).and_then(|bytes| unpack(&bytes, subject, operator));
-    let is_new = kept.is_none();
-    let (explicit, sequence, note) = match kept {
-        Some(kept) => kept,
-        None => analyse(subject, operator, steps)?,
-    };
-    let begun = Instant::now();
     let links = operator.links(&subject.mesh);
-    let replay = Replay::new(&subject.mesh, &links, &sequence)
-        .map_err(|error| StudyError::Hierarchy(subject.name.clone(), HierarchyError::from(error)))?;
-    let seconds_replay = begun.elapsed().as_secs_f64();
+    let kept = cache.load(&key).and_then(|bytes| unpack(&bytes, subject, &links));
+    let is_new = kept.is_none();
+    let (explicit, sequence, replay, note) = match kept {
+        Some(kept) => kept,
+        None => analyse(subject, operator, &links, steps)?,
+    };
     if is_new && let Some(bytes) = pack(&explicit, &sequence, &note) {
         cache.store(&key, &bytes);
     }
@@ -101,7 +101,7 @@ pub(super) fn build(
         refusals: note.refusals.into_iter().collect(),
         stall: stall(&replay),
         seconds: note.seconds,
-        seconds_replay,
+        seconds_replay: note.seconds_replay,
         from_cache: !is_new,
     });
     degrees(subject, operator, &replay, results);
@@ -111,8 +111,9 @@ pub(super) fn build(
 fn analyse(
     subject: &Subject,
     operator: &AnyOperator,
+    links: &[[VertexId; 2]],
     steps: &mut Steps<'_>,
-) -> Result<(Explicit<3>, Sequence, Kept), StudyError> {
+) -> Result<Found, StudyError> {
     let failed = |error| StudyError::Analysis(subject.name.clone(), error);
     let recorder = Recorder::new(&subject.mesh).map_err(|error| failed(error.into()))?;
     let mut listener = (recorder, Sequence::new(&subject.mesh));
@@ -126,14 +127,23 @@ fn analyse(
     }
     let refusals = ended.refusals.iter().map(|(reason, count)| (reason.name().to_owned(), count)).collect();
     let explicit = listener.0.finish(Default::default()).map_err(|error| failed(error.into()))?;
-    Ok((explicit, listener.1, Kept { refusals, seconds, container_len: 0 }))
+    let begun = Instant::now();
+    let replay = Replay::new(&subject.mesh, links, &listener.1)
+        .map_err(|error| StudyError::Hierarchy(subject.name.clone(), HierarchyError::from(error)))?;
+    let seconds_replay = begun.elapsed().as_secs_f64();
+    Ok((explicit, listener.1, replay, Kept { refusals, seconds, seconds_replay, container_len: 0 }))
 }
 
 /// The note, the explicit model and the sequence, one after the other.
 fn pack(explicit: &Explicit<3>, sequence: &Sequence, note: &Kept) -> Option<Vec<u8>> {
     let mut model = Vec::new();
     container::write(explicit, &Meta::default(), &mut model).ok()?;
-    let note = Kept { refusals: note.refusals.clone(), seconds: note.seconds, container_len: model.len() };
+    let note = Kept {
+        refusals: note.refusals.clone(),
+        seconds: note.seconds,
+        seconds_replay: note.seconds_replay,
+        container_len: model.len(),
+    };
     let mut bytes = serde_json::to_vec(&note).ok()?;
     bytes.push(b'\n');
     bytes.append(&mut model);
@@ -142,16 +152,18 @@ fn pack(explicit: &Explicit<3>, sequence: &Sequence, note: &Kept) -> Option<Vec<
 }
 
 /// What was packed, if it is sound and of this mesh.
-fn unpack(bytes: &[u8], subject: &Subject, operator: &AnyOperator) -> Option<(Explicit<3>, Sequence, Kept)> {
+fn unpack(bytes: &[u8], subject: &Subject, links: &[[VertexId; 2]]) -> Option<Found> {
     let end = bytes.iter().position(|&byte| byte == b'\n')?;
     let note: Kept = serde_json::from_slice(&bytes[..end]).ok()?;
     let rest = &bytes[end + 1..];
     let (model, sequence) = rest.split_at_checked(note.container_len)?;
     let (explicit, _) = container::read::<3>(model).ok()?;
     let sequence = Sequence::from_bytes(sequence).ok()?;
-    let sound = explicit.reference() == subject.mesh
-        && Replay::new(&subject.mesh, &operator.links(&subject.mesh), &sequence).is_ok();
-    sound.then_some((explicit, sequence, note))
+    let replay = Replay::new(&subject.mesh, links, &sequence).ok()?;
+    // The two are of one analysis: as many merges as modifications, of the same positions.
+    let made = &explicit.parts().positions[explicit.input_vertex_count() as usize..];
+    let alike = sequence.merge_count() == explicit.len() && (made.is_empty() || made == sequence.positions);
+    (alike && explicit.reference() == subject.mesh).then_some((explicit, sequence, replay, note))
 }
 
 /// For fans: the share of vertices that were left when the first merge came that did not take the whole link of its
@@ -162,9 +174,10 @@ fn stall(replay: &Replay) -> Option<f64> {
     }
     let leaves = f64::from(replay.leaf_count().max(1));
     let mut stalled = None;
-    walk(replay, |merge, view| {
-        if stalled.is_none() {
-            let run = replay.run_of(merge);
+    replay.sweep(|m, view| {
+        let merge = replay.merge_of(m);
+        let run = replay.run_of(merge);
+        if stalled.is_none() && m == *run.start() {
             let mut ring: Vec<_> = view.mesh.ring(replay.merge(merge).center).collect();
             ring.sort_unstable();
             ring.dedup();
@@ -184,7 +197,7 @@ const SHARES: [f64; 7] = [1.0, 0.5, 0.25, 0.1, 0.05, 0.02, 0.01];
 fn degrees(subject: &Subject, operator: &AnyOperator, replay: &Replay, results: &mut Results) {
     let leaves = f64::from(replay.leaf_count().max(1));
     let mut wanted = SHARES.iter().peekable();
-    walk(replay, |_, view| {
+    replay.sweep(|_, view| {
         while let Some(&&share) = wanted.peek()
             && f64::from(view.mesh.active.count()) <= share * leaves
         {
@@ -201,17 +214,4 @@ fn degrees(subject: &Subject, operator: &AnyOperator, replay: &Replay, results: 
             });
         }
     });
-}
-
-/// Replays the analysis merge by merge; `visit` sees the mesh before each.
-fn walk(replay: &Replay, mut visit: impl FnMut(u32, &View<mt_core::hierarchy::VertexMesh>)) {
-    let mut view = View { front: Front::reference(replay.len()), mesh: replay.reference_mesh() };
-    for merge in 0..replay.merge_count() {
-        visit(merge, &view);
-        let run = replay.run_of(merge);
-        for m in (run.start().0..=run.end().0).map(NodeId) {
-            replay.coarsen(m, &mut view.mesh, &mut ());
-            view.front.set(m, false);
-        }
-    }
 }
