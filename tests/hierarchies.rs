@@ -34,6 +34,7 @@ fn all_laws(name: &str, replay: &Arc<Replay>, seed: u64, fronts: u32) {
         }
     }
     laws_hold(&format!("{name} implicit-ids"), replay, ImplicitIds, seed, fronts);
+    laws_hold(&format!("{name} implicit-ids-stored"), replay, StoredIds::new(replay), seed, fronts);
     laws_hold(&format!("{name} dual-piece-free"), replay, DualPieceFree::new(replay).unwrap(), seed, fronts);
 }
 
@@ -73,6 +74,7 @@ proptest! {
             laws_hold(&name, &replay, stored, seed, 8);
         }
         laws_hold(&name, &replay, ImplicitIds, seed, 8);
+        laws_hold(&name, &replay, StoredIds::new(&replay), seed, 8);
     }
 }
 

@@ -44,7 +44,8 @@ impl Dependency for ImplicitIds {
 /// analysis, and is split or merged while its current neighbours' ids are within.
 ///
 /// For merges this is weaker than [`ImplicitIds`]: a neighbour may have been refined and its id still be in the range.
-/// 8 bytes a node.
+/// So a neighbour may also be merged before its time; what is around it then waits until it is split again, or what
+/// merges could not be split. 8 bytes a node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredIds {
     ranges: Vec<[u32; 2]>,
@@ -77,11 +78,15 @@ impl Dependency for StoredIds {
 
     fn obstacles(&self, replay: &Replay, m: NodeId, view: &View<VertexMesh>, out: &mut Vec<NodeId>) -> Coarsen {
         let before = out.len();
-        let [least, _] = self.ranges[m.index()];
+        let [least, most] = self.ranges[m.index()];
         let ends = ends(replay, m);
-        let ring = ends.into_iter().flat_map(|end| view.mesh.ring(end)).filter(|w| !ends.contains(w));
-        out.extend(ring.filter(|&w| id_of(replay, w, view) < least).map(|w| replay.next(w, &view.front)));
+        let ring = || ends.into_iter().flat_map(|end| view.mesh.ring(end)).filter(|w| !ends.contains(w));
+        out.extend(ring().filter(|&w| id_of(replay, w, view) < least).map(|w| replay.next(w, &view.front)));
         let late = out[before..].iter().any(|&node| node >= m);
+        if ring().any(|w| id_of(replay, w, view) > most) {
+            out.truncate(before);
+            return Coarsen::Not;
+        }
         match (out.len() == before, late) {
             (true, _) => Coarsen::Now,
             (false, false) => Coarsen::After,
