@@ -200,6 +200,12 @@ pub fn make_folder(path: &Path) -> Result<bool, FileError> {
     Ok(new)
 }
 
+/// Refuses a folder in which no file can be made.
+pub fn check_writable(folder: &Path) -> Result<(), FileError> {
+    let probe = tempfile::Builder::new().prefix(".mtess-").suffix(".part").tempfile_in(folder);
+    probe.map(|_| ()).map_err(|error| FileError::new(folder, format!("no file can be written there: {error}")))
+}
+
 /// Something that changes when this program is built anew: its size and the time it was written. Empty where nobody knows.
 pub fn program_mark() -> String {
     let about = std::env::current_exe().and_then(std::fs::metadata);

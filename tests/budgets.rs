@@ -109,8 +109,9 @@ fn a_budget_holds_along_a_path_under_dynamic_rules() {
         let replay = replay_of(mesh, &operator.parse().expect("an operator"));
         for scheme in DYNAMIC {
             let met = scheme.visit_hierarchy(&replay, Along(format!("{operator} {scheme}")));
-            // What sews is for the ids alone.
-            assert!(met.is_ok() || (operator, scheme) == ("vertex-pair", Scheme::DualPieceFree), "{met:?}");
+            // What sews is for the ids alone, and fans are not for stored ones.
+            let unfit = [("vertex-pair", Scheme::DualPieceFree), ("fan-merge", Scheme::ImplicitIdsStored)];
+            assert_eq!(met.is_err(), unfit.contains(&(operator, scheme)), "{operator} {scheme}: {met:?}");
         }
     }
 }
@@ -149,10 +150,14 @@ fn a_rule_that_lets_nothing_be_coarsened_does_not_break_the_budget() {
         for operator in ["edge-collapse", "half-edge-collapse", "fan-merge"] {
             let replay = replay_of(&mesh, &operator.parse().expect("an operator"));
             for (count, scheme) in stuck.iter_mut().zip(DYNAMIC).filter(|_| !replay.is_empty()) {
-                *count += scheme.visit_hierarchy(&replay, Down(seed)).expect("a manifold");
+                match scheme.visit_hierarchy(&replay, Down(seed)) {
+                    Ok(stuck) => *count += stuck,
+                    Err(refused) => assert!(refused.to_string().contains("fans"), "{refused}"),
+                }
             }
         }
     }
-    // Ids let the finest node go whatever the rest is like.
-    assert!(stuck[..2] == [0, 0] && stuck[2] > 0, "{stuck:?}");
+    // Current ids let the finest node go whatever the rest is like.
+    println!("stuck under {DYNAMIC:?}: {stuck:?}");
+    assert!(stuck[0] == 0 && stuck[2] > 0, "{stuck:?}");
 }

@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     time("implicit-ids", &replay, ImplicitIds, vertices);
-    time("implicit-ids-stored", &replay, StoredIds::new(&replay), vertices);
+    time("implicit-ids-stored", &replay, StoredIds::new(&replay)?, vertices);
     time("dual-piece-free", &replay, DualPieceFree::new(&replay)?, vertices);
     Ok(())
 }

@@ -147,7 +147,7 @@ impl std::fmt::Display for AnyOperator {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum UnknownOperator {
     /// No operator has the name.
-    #[error("there is no operator {0}; there are {names}, each of the collapses also with /METRIC", names = AnyOperator::NAMES.join(", "))]
+    #[error("there is no operator `{0}`; there are {names}, each of the collapses also with /METRIC", names = AnyOperator::NAMES.join(", "))]
     Operator(String),
     /// No metric has the name.
     #[error(transparent)]

@@ -1,7 +1,7 @@
 //! Incremental refinement: from the mesh of the last frame, contraction first, then expansion.
 
 use crate::criterion::Criterion;
-use crate::extract::{expand, expand_by_priority};
+use crate::extract::{expand, expand_by_priority, force_within};
 use crate::judge::Judge;
 use crate::state::{Limits, Outcome, State};
 use mt_core::bits::ones;
@@ -21,10 +21,9 @@ use std::time::Instant;
 /// it waits until the mesh is within the budget. A criterion with memory gives what is refined its head start in the
 /// search too, but need not come to rest at once.
 ///
-/// That is for static orders. Under a dynamic rule the way between two fronts need not be legal, so there the front is
-/// changed in place: what is not asked for is coarsened, then as much more as the budget wants, finest first; what fits
-/// is refined by urgency. No second view; the mesh is within the budget whatever the time, but depends on where it comes
-/// from, and a still camera need not come to rest.
+/// That is for static orders. Under a dynamic rule the way between two fronts need not be legal, so there legal steps go
+/// as far towards that front as the rule and the budget let them. The mesh is within the budget whatever the time, but
+/// depends on where it comes from, and a still camera need not come to rest.
 ///
 /// Once a state has seen a camera's path, calls that ask for no more than before allocate nothing.
 pub fn adapt<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
@@ -68,15 +67,13 @@ fn remember<const N: usize, M: MultiTessellation<N>, S, C: Criterion<M::Bound>>(
     before
 }
 
-/// Looks for the front that fits, and approaches it.
-fn adapt_within<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
+/// Looks for the front that fits, by priority from the base mesh, in a state of its own.
+fn search<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     model: &M,
     criterion: &impl Criterion<M::Bound>,
     cells_max: u32,
-    deadline: Option<Instant>,
     state: &mut State<N, M, S>,
-) -> Outcome {
-    let start = state.steps.len();
+) -> (Box<State<N, M, ()>>, Outcome) {
     let mut target = state.search.take().unwrap_or_else(|| Box::new(State::new(model, ())));
     // Back to the base mesh by the steps that led away from it.
     target.roll_back(model, 0);
@@ -87,6 +84,19 @@ fn adapt_within<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     let judge = Judge::new(model, criterion, &state.view.front);
     let wanted = expand_by_priority(&judge, Some(cells_max), None, &mut target);
     std::mem::swap(&mut target.scratch.chains, &mut state.scratch.chains);
+    (target, wanted)
+}
+
+/// Looks for the front that fits, and approaches it.
+fn adapt_within<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
+    model: &M,
+    criterion: &impl Criterion<M::Bound>,
+    cells_max: u32,
+    deadline: Option<Instant>,
+    state: &mut State<N, M, S>,
+) -> Outcome {
+    let start = state.steps.len();
+    let (target, wanted) = search(model, criterion, cells_max, state);
     let until = Until { deadline, cells_max: Some(cells_max) };
     let reached = approach_until(model, &target.view.front, until, state);
     state.search = Some(target);
@@ -95,7 +105,8 @@ fn adapt_within<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     outcome.with_runs(Judge::new(model, criterion, &base).whole_runs(state, start))
 }
 
-/// Keeps to the budget by legal steps alone, for rules under which two fronts have no legal way between them.
+/// The same by legal steps alone, for rules under which two fronts need have no legal way between them: what the front
+/// that fits lacks is coarsened as far as the rule lets it, what it has is forced as far as the budget lets it.
 fn adapt_in_place<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     model: &M,
     criterion: &impl Criterion<M::Bound>,
@@ -104,16 +115,30 @@ fn adapt_in_place<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     state: &mut State<N, M, S>,
 ) -> Outcome {
     let start = state.steps.len();
-    let before = remember(criterion, state);
-    let judge = Judge::new(model, criterion, &before);
-    let contracted = contract(&judge, deadline, state);
+    let (target, wanted) = search(model, criterion, cells_max, state);
+    let mut nodes = std::mem::take(&mut state.scratch.wanted);
+    nodes.clear();
+    nodes.extend(state.view.front.difference(&target.view.front));
+    nodes.iter().for_each(|&m| _ = state.try_coarsen(model, m));
     shrink(model, cells_max, state);
-    open_below_front(&judge, state);
-    let expanded = expand_by_priority(&judge, Some(cells_max), deadline, state);
-    let outcome = state.outcome_since(start, expanded.forced, contracted && expanded.complete);
-    let outcome = outcome.with_runs(judge.whole_runs(state, start));
-    state.scratch.before = before;
-    outcome
+    nodes.clear();
+    nodes.extend(target.view.front.difference(&state.view.front));
+    let (mut turn, mut in_time) = (0, true);
+    for &m in nodes.iter().rev() {
+        in_time = !is_late(deadline, &mut turn);
+        if !in_time {
+            break;
+        }
+        if !state.view.front.is_refined(m) {
+            force_within(model, m, Some(cells_max), state);
+        }
+    }
+    state.scratch.wanted = nodes;
+    let complete = in_time && wanted.complete && target.view.front == state.view.front;
+    state.search = Some(target);
+    let base = Front::default();
+    let outcome = state.outcome_since(start, wanted.forced, complete);
+    outcome.with_runs(Judge::new(model, criterion, &base).whole_runs(state, start))
 }
 
 /// Coarsens what lets itself be coarsened, finest first, until the mesh has no more cells than allowed. One sweep after

@@ -123,7 +123,7 @@ fn enqueue_open<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
 
 /// Forces `m` unless that takes more cells than allowed; whether it did. Where gains are static the chain is counted
 /// first; else it is applied and rolled back.
-fn force_within<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
+pub(crate) fn force_within<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     model: &M,
     m: NodeId,
     cells_max: Option<u32>,

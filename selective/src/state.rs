@@ -29,6 +29,8 @@ pub(crate) struct Scratch {
     pub(crate) chains: Vec<u32>,
     /// The front before the call, for criteria with memory.
     pub(crate) before: Front,
+    /// The nodes in which two fronts differ.
+    pub(crate) wanted: Vec<NodeId>,
     /// The chain that is being forced.
     pub(crate) chain: Vec<NodeId>,
     /// The nodes of the chain that is being counted, or the runs that are. Empty in between.

@@ -67,13 +67,32 @@ impl Study {
             return Err(CommandError::Other("--pixels must be a number, 0 or more".into()));
         }
         let config = self.config()?;
+        let mut names: Vec<String> = Vec::new();
+        for name in config.operators.iter().map(AnyOperator::name) {
+            if names.contains(&name) {
+                return Err(CommandError::Other(format!("--operators names {name} twice")));
+            }
+            names.push(name);
+        }
         let subjects = self.subjects()?;
         let new_folder = files::make_folder(&self.output)?;
+        // Hours of work are not to end at a place that cannot be written.
+        for name in ["results.csv", "results.json", "index.html"] {
+            files::check_place(&self.output.join(name))?;
+        }
+        files::check_writable(&self.output)?;
         let results = self.observe(&subjects, &config);
         if results.is_err() && new_folder {
             files::remove_empty_folder(&self.output);
         }
         let results = results?;
+        if results.observations.is_empty() {
+            let told = results.notes.first().map_or(String::new(), |note| format!(": {note}"));
+            return Err(CommandError::Other(format!(
+                "nothing was observed{told}; dual, dual-distance and coarse are for fan-merge on a hierarchy, and a budget \
+                 is not met top-down"
+            )));
+        }
         self.write(&results)?;
         print_text(&summary(&results, &self.output));
         Ok(ExitCode::SUCCESS)

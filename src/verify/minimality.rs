@@ -13,6 +13,11 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 use std::time::Duration;
 
+/// A criterion drawn at random, of any kind without memory. Requires: the model has a node.
+pub(super) fn draw<const N: usize, M: MultiTessellation<N, Bound = Bound>>(model: &M, random: &mut Random) -> Wish {
+    Draw::new(model, random).wish()
+}
+
 /// Draws criteria for a model: about the bounds of its own nodes, so that ties and halves occur.
 struct Draw<'a, const N: usize, M> {
     model: &'a M,

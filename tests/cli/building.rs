@@ -2,7 +2,7 @@
 
 use crate::kit::{Room, ball, ball_mesh};
 use mt_core::format::{Census, census};
-use mt_core::{Mesh, MultiTessellation, generate};
+use mt_core::{Mesh, MultiTessellation, VertexId, generate};
 use operators::AnyOperator;
 
 /// What `build --json` tells at least; numbers all of them.
@@ -70,20 +70,22 @@ fn every_operator_builds_a_model_that_knows_its_name() {
 fn book() -> Mesh<3> {
     let page = generate::bumpy_grid(6, 6, 0.0, 1);
     let low = page.bounding_box().unwrap().0;
-    let pages = [0.0f32, 2.0, 4.0].map(|angle| {
-        let turned = page.positions.iter().map(|p| {
+    let mut book = Mesh { positions: Vec::new(), cells: Vec::new() };
+    for angle in [0.0f32, 2.0, 4.0] {
+        let before = book.positions.len() as u32;
+        book.positions.extend(page.positions.iter().map(|p| {
             let far = p.y - low.y;
             glam::vec3(p.x, far * angle.cos(), far * angle.sin())
-        });
-        Mesh { positions: turned.collect(), cells: page.cells.clone() }
-    });
-    generate::components(&pages)
+        }));
+        book.cells.extend(page.cells.iter().map(|cell| cell.map(|v| VertexId(v.0 + before))));
+    }
+    book
 }
 
 #[test]
 fn vertex_pairs_take_what_is_no_manifold() {
     let room = Room::new();
-    room.write("book.obj", mt_core::format::write(mt_core::format::Format::Obj, &book()).unwrap());
+    room.put("book.obj", &book());
     for operator in ["edge-collapse", "half-edge-collapse", "fan-merge"] {
         let told = room.run(&format!("build book.obj -o book.mt --operator {operator}"));
         let line = told.err.lines().last().unwrap_or("").to_owned();

@@ -282,11 +282,11 @@ fn a_gltf_reads_no_file_from_elsewhere() {
 fn an_unknown_name_is_told_with_those_there_are() {
     let room = ball();
     for (command, says) in [
-        ("build ball.ply -o out.mt --operator grow", "no operator grow; there are edge-collapse, half-edge-collapse"),
+        ("build ball.ply -o out.mt --operator grow", "no operator `grow`; there are edge-collapse, half-edge-collapse"),
         ("build ball.ply -o out.mt --operator edge-collapse/taste", "no metric \"taste\"; there are quadric"),
         ("build ball.ply -o out.mt --operator fan-merge/quadric", "fan-merge brings its own metric"),
-        ("verify ball.ply --operator grow", "no operator grow; there are edge-collapse, half-edge-collapse"),
-        ("verify ball.ply --dependency hope", "no dependency scheme hope; there are explicit, one-ring"),
+        ("verify ball.ply --operator grow", "no operator `grow`; there are edge-collapse, half-edge-collapse"),
+        ("verify ball.ply --dependency hope", "no dependency scheme `hope`; there are explicit, one-ring"),
     ] {
         let told = room.run(command);
         assert_eq!(told.code, Some(2), "mtess {command}: {told:?}");
@@ -294,12 +294,12 @@ fn an_unknown_name_is_told_with_those_there_are() {
         assert!(line.starts_with("error: ") && line.contains(says), "mtess {command}: {line}");
     }
     for (option, says) in [
-        ("--operators edge-collapse,grow", "no operator grow; there are edge-collapse, half-edge-collapse"),
+        ("--operators edge-collapse,grow", "no operator `grow`; there are edge-collapse, half-edge-collapse"),
         ("--operators vertex-pair/taste", "no metric \"taste\"; there are quadric"),
-        ("--dependencies hope", "no dependency hope; there are cells, explicit, one-ring"),
-        ("--criteria uniform,whim", "no criterion whim; there are uniform, region"),
-        ("--strategies luck,top-down", "no strategy luck; there are top-down, priority"),
-        ("--strategies all,luck", "no strategy luck; there are top-down, priority"),
+        ("--dependencies hope", "no dependency `hope`; there are cells, explicit, one-ring"),
+        ("--criteria uniform,whim", "no criterion `whim`; there are uniform, region"),
+        ("--strategies luck,top-down", "no strategy `luck`; there are top-down, priority"),
+        ("--strategies all,luck", "no strategy `luck`; there are top-down, priority"),
     ] {
         room.refused(&format!("study ball.ply -o report {option}"), says);
     }

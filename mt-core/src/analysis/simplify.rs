@@ -7,6 +7,7 @@ use crate::check;
 use crate::explicit::{ErrorKind, Explicit, HistoryError, Recorder};
 use crate::mesh::Mesh;
 use crate::plan::{Plan, Refusal, RefusalCounts};
+use std::time::{Duration, Instant};
 
 /// When to stop, and what errors to record.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
@@ -118,6 +119,9 @@ pub fn analyse<const N: usize, O: Operator<N>>(
     Ok(Ended { refusals: work.refusals, stopped })
 }
 
+/// Who watches hears at least this often, if a turn takes no longer.
+const WATCH_AT_LEAST: Duration = Duration::from_millis(100);
+
 struct Work<'a, const N: usize, O: Operator<N>> {
     operator: &'a O,
     options: &'a Options,
@@ -163,13 +167,19 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
         let cells_in = self.draft.complex.cell_count();
         let mut applied_since_parking = true;
         let mut too_coarse = false;
+        let mut told = Instant::now();
         for turn in 0u64.. {
             let cells = self.draft.complex.cell_count();
             if self.options.until_cells.is_some_and(|wanted| cells <= wanted as usize) {
                 return Ok(Stopped::Cells);
             }
-            if turn.is_multiple_of(256) && !watch(Progress { cells_in, cells }) {
-                return Ok(Stopped::Cancelled);
+            // Often enough to be stopped where a single turn is slow, as at hubs; seldom enough to cost nothing.
+            let due = turn.is_multiple_of(256) || turn.is_multiple_of(8) && told.elapsed() > WATCH_AT_LEAST;
+            if due {
+                if !watch(Progress { cells_in, cells }) {
+                    return Ok(Stopped::Cancelled);
+                }
+                told = Instant::now();
             }
             let Some(site) = self.queue.pop() else {
                 if !applied_since_parking || self.parked.is_empty() {

@@ -69,6 +69,12 @@ pub enum HierarchyError {
         /// The first few of them.
         places: String,
     },
+    /// A scheme takes edges and pairs alone.
+    #[error("{scheme} does not take this sequence: it has fans, which merged in part have ids that nothing had before")]
+    Fans {
+        /// The scheme.
+        scheme: &'static str,
+    },
     /// An order lacks something that soundness needs.
     #[error(
         "the order is unsound: node {node} must wait for node {needed}, which its needs do not lead to (the two cut vertices of node {node} would be one)"

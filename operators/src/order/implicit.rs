@@ -5,7 +5,7 @@
 //! are the neighbours' parents: a merge is legal when every neighbour will be merged later than this pair.
 
 use super::derive::one_ring_ids;
-use mt_core::hierarchy::{Dependency, VertexMesh};
+use mt_core::hierarchy::{Dependency, HierarchyError, VertexMesh};
 use mt_core::{Coarsen, NodeId, Replay, Rule, VertexId, View};
 
 /// Nothing is stored: a split is legal when its id is above those of all neighbours, a merge when the parent's id is below
@@ -43,10 +43,10 @@ impl Dependency for ImplicitIds {
 /// The other reading, that of `[KimLee2001]`: each node stores the least and the largest id among its neighbours at
 /// analysis, and is split or merged while its current neighbours' ids are within.
 ///
-/// For merges this is another rule than [`ImplicitIds`]: a neighbour may have been refined and its id still be in the
-/// range, or a neighbour that a split has just brought near may be out of it. So a split's inverse need not be legal at
-/// once: **the law of inverses does not hold** (a test shows it), which is why we take the ids of current neighbours for
-/// what the scheme is meant to be. 8 bytes a node.
+/// For merges this is weaker than [`ImplicitIds`]: a neighbour may have been refined and its id still be in the range.
+/// So a neighbour may also be merged before its time; what is around it then waits until it is split again, or what
+/// merges could not be split. Fans are refused: merged in part they have ids that no neighbour had at analysis, and meshes
+/// break. 8 bytes a node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredIds {
     ranges: Vec<[u32; 2]>,
@@ -54,8 +54,11 @@ pub struct StoredIds {
 
 impl StoredIds {
     /// The ranges of the ids around each merged vertex. O(stars of all merges).
-    pub fn new(replay: &Replay) -> Self {
-        Self { ranges: one_ring_ids(replay) }
+    pub fn new(replay: &Replay) -> Result<Self, HierarchyError> {
+        if !replay.is_single() {
+            return Err(HierarchyError::Fans { scheme: "implicit-ids-stored" });
+        }
+        Ok(Self { ranges: one_ring_ids(replay) })
     }
 }
 
@@ -79,11 +82,15 @@ impl Dependency for StoredIds {
 
     fn obstacles(&self, replay: &Replay, m: NodeId, view: &View<VertexMesh>, out: &mut Vec<NodeId>) -> Coarsen {
         let before = out.len();
-        let [least, _] = self.ranges[m.index()];
+        let [least, most] = self.ranges[m.index()];
         let ends = replay.ends(m);
-        let ring = ends.into_iter().flat_map(|end| view.mesh.ring(end)).filter(|w| !ends.contains(w));
-        out.extend(ring.filter(|&w| id_of(replay, w, view) < least).map(|w| replay.next(w, &view.front)));
+        let ring = || ends.into_iter().flat_map(|end| view.mesh.ring(end)).filter(|w| !ends.contains(w));
+        out.extend(ring().filter(|&w| id_of(replay, w, view) < least).map(|w| replay.next(w, &view.front)));
         let late = out[before..].iter().any(|&node| node >= m);
+        if ring().any(|w| id_of(replay, w, view) > most) {
+            out.truncate(before);
+            return Coarsen::Not;
+        }
         match (out.len() == before, late) {
             (true, _) => Coarsen::Now,
             (false, false) => Coarsen::After,

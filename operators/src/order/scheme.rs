@@ -102,7 +102,7 @@ impl Scheme {
             return Ok((stored.bytes(), stored.needs_rows().entry_count()));
         }
         Ok(match self {
-            Scheme::ImplicitIdsStored => (StoredIds::new(replay).bytes(), 0),
+            Scheme::ImplicitIdsStored => (StoredIds::new(replay)?.bytes(), 0),
             Scheme::DualPieceFree => (DualPieceFree::new(replay)?.bytes(), 0),
             _ => (ImplicitIds.bytes(), 0),
         })
@@ -124,7 +124,7 @@ impl Scheme {
             return Ok(work.visit(&Hierarchy { replay: shared, dependency }));
         }
         Ok(match self {
-            Scheme::ImplicitIdsStored => work.visit(&Hierarchy { dependency: StoredIds::new(replay), replay: shared }),
+            Scheme::ImplicitIdsStored => work.visit(&Hierarchy { dependency: StoredIds::new(replay)?, replay: shared }),
             Scheme::DualPieceFree => work.visit(&Hierarchy { dependency: DualPieceFree::new(replay)?, replay: shared }),
             _ => work.visit(&Hierarchy { dependency: ImplicitIds, replay: shared }),
         })
@@ -139,7 +139,7 @@ impl std::fmt::Display for Scheme {
 
 /// A name that is no scheme.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no dependency scheme {0}; there are {names}", names = Scheme::ALL.map(Scheme::name).join(", "))]
+#[error("there is no dependency scheme `{0}`; there are {names}", names = Scheme::ALL.map(Scheme::name).join(", "))]
 pub struct UnknownScheme(pub String);
 
 impl std::str::FromStr for Scheme {

@@ -76,13 +76,13 @@ pub(super) fn build(
 ) -> Result<Pair, StudyError> {
     let key = key(subject, operator);
     let links = operator.links(&subject.mesh);
-    let kept = cache.load(&key).and_then(|bytes| unpack(&bytes, subject, &links));
+    let kept = cache.load(&key).and_then(|bytes| unpack(&bytes, &key, subject, &links));
     let is_new = kept.is_none();
     let (explicit, sequence, replay, note) = match kept {
         Some(kept) => kept,
         None => analyse(subject, operator, &links, steps)?,
     };
-    if is_new && let Some(bytes) = pack(&explicit, &sequence, &note) {
+    if is_new && let Some(bytes) = pack(&key, &explicit, &sequence, &note) {
         cache.store(&key, &bytes);
     }
     let vertices = subject.mesh.vertex_count().max(1) as f64;
@@ -134,8 +134,8 @@ fn analyse(
     Ok((explicit, listener.1, replay, Kept { refusals, seconds, seconds_replay, container_len: 0 }))
 }
 
-/// The note, the explicit model and the sequence, one after the other.
-fn pack(explicit: &Explicit<3>, sequence: &Sequence, note: &Kept) -> Option<Vec<u8>> {
+/// The key, the note, the explicit model and the sequence, one after the other, and a checksum over all of it.
+fn pack(key: &str, explicit: &Explicit<3>, sequence: &Sequence, note: &Kept) -> Option<Vec<u8>> {
     let mut model = Vec::new();
     container::write(explicit, &Meta::default(), &mut model).ok()?;
     let note = Kept {
@@ -144,15 +144,21 @@ fn pack(explicit: &Explicit<3>, sequence: &Sequence, note: &Kept) -> Option<Vec<
         seconds_replay: note.seconds_replay,
         container_len: model.len(),
     };
-    let mut bytes = serde_json::to_vec(&note).ok()?;
+    let mut bytes = format!("{key}\n").into_bytes();
+    bytes.extend(serde_json::to_vec(&note).ok()?);
     bytes.push(b'\n');
     bytes.append(&mut model);
     bytes.extend(sequence.to_bytes());
+    let sum = crc32fast::hash(&bytes);
+    bytes.extend_from_slice(&sum.to_le_bytes());
     Some(bytes)
 }
 
-/// What was packed, if it is sound and of this mesh.
-fn unpack(bytes: &[u8], subject: &Subject, links: &[[VertexId; 2]]) -> Option<Found> {
+/// What was packed under this key, if it is sound and of this mesh.
+fn unpack(bytes: &[u8], key: &str, subject: &Subject, links: &[[VertexId; 2]]) -> Option<Found> {
+    let (bytes, sum) = bytes.split_last_chunk::<4>()?;
+    let bytes = (crc32fast::hash(bytes).to_le_bytes() == *sum).then_some(bytes)?;
+    let bytes = bytes.strip_prefix(key.as_bytes())?.strip_prefix(b"\n")?;
     let end = bytes.iter().position(|&byte| byte == b'\n')?;
     let note: Kept = serde_json::from_slice(&bytes[..end]).ok()?;
     let rest = &bytes[end + 1..];

@@ -47,7 +47,7 @@ macro_rules! choices {
 
 /// A name that is none of those there are.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no {what} {name}; there are {names}")]
+#[error("there is no {what} `{name}`; there are {names}")]
 pub struct UnknownChoice {
     what: &'static str,
     name: String,

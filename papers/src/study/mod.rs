@@ -125,7 +125,15 @@ pub fn run(
         for (i, operator) in config.operators.iter().enumerate() {
             let name = operator.name();
             steps.next(subject, &name, "building")?;
-            let pair = build::build(subject, operator, cache, &mut results, &mut steps)?;
+            let pair = match build::build(subject, operator, cache, &mut results, &mut steps) {
+                // One model that has no hierarchy is no reason to lose the others.
+                Err(error @ StudyError::Hierarchy(..)) => {
+                    results.notes.push(format!("{error} ({name}); a model of such a scale wants to be scaled"));
+                    steps.done += rounds - 1;
+                    continue;
+                }
+                built => built?,
+            };
             for &dependency in &config.dependencies {
                 steps.next(subject, &name, dependency.name())?;
                 let work = Work { subject, operator: &name, scene: &scene, config };
