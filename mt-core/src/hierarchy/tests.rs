@@ -59,7 +59,7 @@ fn swapped_ranks_are_seen_by_the_quotient() {
 #[test]
 fn a_piece_that_is_not_where_it_should_be_is_seen_by_the_partition() {
     let (_, mut replay) = sample();
-    replay.merges[1].span.end += 1;
+    replay.merges[1].span.first += 1;
     let breach = check::dual_pieces(&replay, &Front::base(replay.len())).unwrap_err();
     assert_eq!(breach.law, Law::Partition);
 }

@@ -102,7 +102,7 @@ pub struct Aux<S> {
     partners: Vec<Vec<VertexId>>,
     /// How often the prices at each vertex have changed; empty where a change of price is a new vertex.
     stamps: Vec<u32>,
-    /// What turns a price into a share of the mesh: areas times squared distances shrink by this.
+    /// What turns a price into a share of a usual one, whatever the metric's unit.
     price_scale: f64,
 }
 
@@ -129,16 +129,21 @@ impl<M: Metric> Operator<3> for VertexPair<M> {
             row.dedup();
         }
         let boundary = boundary_edges(&draft.complex);
-        let aux = Aux {
+        let mut aux = Aux {
             metric: self.metric.prepare(draft, &Boundary { edges: &boundary, weight: self.boundary_weight })?,
             stamps: if self.metric.sees_neighbours() { vec![0; partners.len()] } else { Vec::new() },
             partners,
-            price_scale: mesh.diagonal().powi(-4),
+            price_scale: 1.0,
         };
         for a in (0..aux.partners.len()).map(VertexId::new) {
             let above = aux.partners[a.index()].iter().filter(|&&b| b > a);
             sites.extend(above.map(|&b| self.site(draft, &aux, a, b)));
         }
+        // Whatever the metric's unit: a usual price of the input counts 1.
+        let some = sites.iter().step_by(sites.len() / 64 + 1).map(|&site| self.offer(draft, &aux, site).price);
+        let (sum, count) =
+            some.filter(|price| price.is_finite()).fold((0.0, 0.0), |(s, n), price| (s + price, n + 1.0));
+        aux.price_scale = Some(count / sum).filter(|scale: &f64| scale.is_normal()).unwrap_or(1.0);
         Ok(aux)
     }
 
@@ -257,7 +262,7 @@ impl<S> Aux<S> {
     }
 }
 
-/// A price, as a share of the mesh, such that every merge that keeps the topology is cheaper than every one that may not:
+/// A price, as a share of a usual one, such that every merge that keeps the topology is cheaper than every one that may not:
 /// the former are below 1, by so much that prices as `f32` keep apart what matters.
 fn in_class(price: f64, keeps_topology: bool) -> f64 {
     let factor = 2f64.powi(60);

@@ -29,7 +29,7 @@ pub fn page(results: &Results) -> String {
     for model in names(results) {
         page.figure_svg(
             &degree_plot(results, model).svg(),
-            &format!("{model}: the most triangles at a vertex, by size."),
+            &format!("{model}: triangles at a vertex, the most and the mean, by size."),
         );
     }
     page.heading(2, "Dependencies");
@@ -239,15 +239,17 @@ fn ordered_table(ordered: &[Ordered]) -> Table {
 }
 
 fn degree_plot(results: &Results, model: &str) -> Lines {
-    let mut series: BTreeMap<&str, Vec<[f64; 2]>> = BTreeMap::new();
+    let mut series: BTreeMap<String, Vec<[f64; 2]>> = BTreeMap::new();
     for d in results.degrees.iter().filter(|d| d.model == model) {
-        series.entry(&d.operator).or_default().push([d.share * 100.0, d.maximum as f64]);
+        let share = d.share * 100.0;
+        series.entry(d.operator.clone()).or_default().push([share, d.maximum as f64]);
+        series.entry(format!("{}, mean", d.operator)).or_default().push([share, d.mean]);
     }
     Lines {
         title: String::new(),
         x: Axis::logarithmic("vertices left, %"),
-        y: Axis::logarithmic("most triangles at a vertex"),
-        series: series.into_iter().map(|(name, points)| Series { name: name.to_owned(), points }).collect(),
+        y: Axis::logarithmic("triangles at a vertex"),
+        series: series.into_iter().map(|(name, points)| Series { name, points }).collect(),
     }
 }
 
