@@ -142,12 +142,12 @@ pub fn patch_bounds(replay: &Replay) -> Result<(), Breach> {
     let mut last: Option<NodeId> = None;
     replay.sweep(|m, view| {
         if broken.is_ok() {
-            let before = replay.ends(m).into_iter().flat_map(|end| corners(view, end));
-            broken = before.map(|cell| holds(replay, m, cell)).collect();
+            let mut before = replay.ends(m).into_iter().flat_map(|end| corners(view, end));
+            broken = before.try_for_each(|cell| holds(replay, m, cell));
         }
         // What this mesh has around the vertex made last is what that node leaves.
         if let Some(made) = last.filter(|_| broken.is_ok()) {
-            broken = corners(view, replay.vertex(made)).into_iter().map(|cell| holds(replay, made, cell)).collect();
+            broken = corners(view, replay.vertex(made)).into_iter().try_for_each(|cell| holds(replay, made, cell));
         }
         last = Some(m);
     });
