@@ -34,10 +34,8 @@ fn all_laws(name: &str, replay: &Arc<Replay>, seed: u64, fronts: u32) {
         }
     }
     laws_hold(&format!("{name} implicit-ids"), replay, ImplicitIds, seed, fronts);
-    match StoredIds::new(replay) {
-        Ok(stored) => laws_hold(&format!("{name} implicit-ids-stored"), replay, stored, seed, fronts),
-        Err(refused) => assert!(!replay.is_single() && refused.to_string().contains("fans"), "{name}: {refused}"),
-    }
+    // Stored ids are unsound (see their documentation), so no law is asked of them here.
+    assert_eq!(StoredIds::new(replay).is_err(), !replay.is_single(), "{name}: fans and nothing else are refused");
     laws_hold(&format!("{name} dual-piece-free"), replay, DualPieceFree::new(replay).unwrap(), seed, fronts);
 }
 
@@ -77,7 +75,6 @@ proptest! {
             laws_hold(&name, &replay, stored, seed, 8);
         }
         laws_hold(&name, &replay, ImplicitIds, seed, 8);
-        laws_hold(&name, &replay, StoredIds::new(&replay).unwrap(), seed, 8);
     }
 }
 

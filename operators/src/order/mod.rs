@@ -8,7 +8,7 @@
 //! | `four-face` | those that make the four triangles beside its two | `[Hoppe1997]` |
 //! | `dual-piece` | the lowest common ancestor of its fundamental cut vertices | `[KimLee2001]` |
 //! | `implicit-ids` | neighbours with larger ids; nothing is stored | `[ElSanaVarshney1999]` |
-//! | `implicit-ids-stored` | neighbours out of the range of ids that it had | `[ElSanaVarshney1999]`, as `[KimLee2001]` tells it |
+//! | `implicit-ids-stored` | neighbours out of the range of ids that it had; unsound | `[ElSanaVarshney1999]`, as `[KimLee2001]` tells it |
 //! | `dual-piece-free` | a common cut vertex; collapses wait for extra neighbours to go | `[KimLee2001]`, section 4.4 |
 //!
 //! All of them wait for the parent in the forest as well. The first five are static orders: rows of needs

@@ -39,10 +39,7 @@ pub(super) fn draw(
     results: &mut Results,
 ) -> Result<(), StudyError> {
     let sized = |camera: Camera| Camera { width_px: size.0, height_px: size.1, ..camera };
-    // Nearest to the surface.
-    let Some(&camera) = camera_path(&subject.mesh, config.frames).get(config.frames as usize / 2) else {
-        return Ok(());
-    };
+    let Some(camera) = close_camera(&subject.mesh, config.frames) else { return Ok(()) };
     let (low, high) = subject.mesh.bounding_box().unwrap_or_default();
     let (view, _) = extract(model, &ScreenError::new(&camera, config.error_px), &Limits::NONE, Strategy::TopDown, ());
     let seen = mesh_of(model, &view.view.mesh);
@@ -79,6 +76,21 @@ pub(super) fn draw(
     let overlay = Overlay::Level { values: &levels, range: Overlay::range_of(&levels) };
     let caption = format!("{}: level of each triangle, the longest chain of modifications to it", subject.name);
     easel.paint("level", caption, render::encode(&mesh, &Look { wireframe: true, overlay, ..Look::default() }), around)
+}
+
+/// A camera of the path that is near the surface and has some of it in view.
+fn close_camera(mesh: &Mesh<3>, frames: u32) -> Option<Camera> {
+    let cameras = camera_path(mesh, frames);
+    let seen = |camera: &Camera| {
+        let planes = camera.frustum();
+        let inside = |p: &&glam::Vec3| planes.iter().all(|plane| plane.dot(p.extend(1.0)) >= 0.0);
+        mesh.positions.iter().filter(inside).count()
+    };
+    // Nearest first; the next ones where that looks past the model.
+    let order = [8, 7, 9, 6, 10, 5, 11, 4, 12].map(|i| cameras.get(cameras.len() * i / 16));
+    let enough = mesh.positions.len() / 20;
+    let found = order.into_iter().flatten().find(|camera| seen(camera) > enough);
+    found.or(cameras.get(cameras.len() / 2)).copied()
 }
 
 fn tenth_of(model: &Explicit<3>, input: &Mesh<3>) -> State<3, Explicit<3>, ()> {
