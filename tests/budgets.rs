@@ -5,7 +5,7 @@ use mt_core::model::{MultiTessellation, Step, View, cells_of, take};
 use mt_core::random::Random;
 use mt_core::{Bound, Camera, Coarsen, Hierarchy, NodeId, Rule, check, generate};
 use mt_tests::replay_of;
-use operators::order::{Scheme, VisitHierarchy};
+use operators::order::{Scheme, Visit};
 use selective::{Criterion, Hysteresis, Limits, OnPath, Path, ScreenError, State, UniformError, adapt};
 use std::time::Duration;
 
@@ -57,7 +57,7 @@ fn frame<D: Dependency + Send>(
 /// Along a path around a model, under budgets that rise and fall; then the camera stands still.
 struct Along(String);
 
-impl VisitHierarchy for Along {
+impl Visit for Along {
     type Output = ();
     fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) {
         assert_eq!(D::RULE, Rule::Dynamic);
@@ -108,7 +108,7 @@ fn a_budget_holds_along_a_path_under_dynamic_rules() {
     for (operator, mesh) in cases {
         let replay = replay_of(mesh, &operator.parse().expect("an operator"));
         for scheme in DYNAMIC {
-            let met = scheme.visit_hierarchy(&replay, Along(format!("{operator} {scheme}")));
+            let met = scheme.visit(&replay, Along(format!("{operator} {scheme}")));
             // What sews is for the ids alone, and fans are not for stored ones.
             let unfit = [("vertex-pair", Scheme::DualPieceFree), ("fan-merge", Scheme::ImplicitIdsStored)];
             assert_eq!(met.is_err(), unfit.contains(&(operator, scheme)), "{operator} {scheme}: {met:?}");
@@ -119,7 +119,7 @@ fn a_budget_holds_along_a_path_under_dynamic_rules() {
 /// Wanders, and then wants all of the detail that no cells allow. How often the rule was in the way.
 struct Down(u64);
 
-impl VisitHierarchy for Down {
+impl Visit for Down {
     type Output = u32;
     fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> u32 {
         let mut random = Random::new(self.0);
@@ -150,7 +150,7 @@ fn a_rule_that_lets_nothing_be_coarsened_does_not_break_the_budget() {
         for operator in ["edge-collapse", "half-edge-collapse", "fan-merge"] {
             let replay = replay_of(&mesh, &operator.parse().expect("an operator"));
             for (count, scheme) in stuck.iter_mut().zip(DYNAMIC).filter(|_| !replay.is_empty()) {
-                match scheme.visit_hierarchy(&replay, Down(seed)) {
+                match scheme.visit(&replay, Down(seed)) {
                     Ok(stuck) => *count += stuck,
                     Err(refused) => assert!(refused.to_string().contains("fans"), "{refused}"),
                 }

@@ -5,7 +5,7 @@ use mt_core::format::{Format, LoadOptions, NonManifold, read};
 use mt_core::hierarchy::Dependency;
 use mt_core::{Hierarchy, Mesh, Replay, generate};
 use mt_tests::{both_of, real_files, replay_of};
-use multi_tessellation::verify;
+use multi_tessellation::verify::{self, Topology};
 use operators::EdgeCollapse;
 use operators::order::{DualPieceFree, ImplicitIds, Scheme, Stored};
 use selective::{InRegion, Limits, Region, Strategy, extract};
@@ -27,13 +27,10 @@ fn fronts() -> u32 {
     std::env::var("MT_FRONTS").ok().and_then(|n| n.parse().ok()).unwrap_or(16)
 }
 
-fn judge<D: Dependency + Send>(name: &str, replay: &Arc<Replay>, dependency: D) {
+fn judge<D: Dependency + Send>(name: &str, replay: &Arc<Replay>, dependency: D, topology: Topology) {
     let model = Hierarchy { replay: Arc::clone(replay), dependency };
-    let verdict = verify::hierarchy(
-        &model,
-        &verify::Options { fronts: fronts(), seed: 11, ..verify::Options::default() },
-        &mut |_| true,
-    );
+    let options = verify::Options { fronts: fronts(), seed: 11, topology };
+    let verdict = verify::hierarchy(&model, &options, &mut |_| true);
     let summary = verdict.unwrap_or_else(|found| panic!("{name}: {} ({} nodes)", found.breach, found.front.len()));
     println!("{name}: {} checks", summary.values().sum::<u64>());
 }
@@ -44,11 +41,16 @@ fn laws_hold(names: &[&str], operator: &EdgeCollapse) {
         for scheme in Scheme::ALL {
             let name = format!("{} {scheme}", path.display());
             if let Some(stored) = scheme.stored(&replay).expect("a manifold") {
-                judge(&name, &replay, stored);
+                judge(&name, &replay, stored, Topology::Kept);
             }
         }
-        judge(&format!("{} implicit-ids", path.display()), &replay, ImplicitIds);
-        judge(&format!("{} dual-piece-free", path.display()), &replay, DualPieceFree::new(&replay).unwrap());
+        judge(&format!("{} implicit-ids", path.display()), &replay, ImplicitIds, Topology::Kept);
+        judge(
+            &format!("{} dual-piece-free", path.display()),
+            &replay,
+            DualPieceFree::new(&replay).unwrap(),
+            Topology::Kept,
+        );
     }
 }
 
@@ -73,9 +75,9 @@ fn laws_under_every_scheme_on_fans() {
         let replay = replay_of(&load(&path), &"fan-merge".parse().unwrap());
         for scheme in [Scheme::OneRing, Scheme::FourFace, Scheme::DualPiece] {
             let stored = scheme.stored(&replay).expect("a manifold").expect("a static scheme");
-            judge(&format!("{} fans {scheme}", path.display()), &replay, stored);
+            judge(&format!("{} fans {scheme}", path.display()), &replay, stored, Topology::Kept);
         }
-        judge(&format!("{} fans implicit-ids", path.display()), &replay, ImplicitIds);
+        judge(&format!("{} fans implicit-ids", path.display()), &replay, ImplicitIds, Topology::Kept);
     }
 }
 
@@ -85,9 +87,9 @@ fn laws_on_pairs_of_what_is_no_manifold() {
         let options = LoadOptions { non_manifold: NonManifold::Keep, ..LoadOptions::default() };
         let replay = replay_of(&load_as(&path, &options), &"vertex-pair".parse().unwrap());
         for stored in [Stored::explicit(&replay), Stored::one_ring(&replay)] {
-            judge(&format!("{} pairs", path.display()), &replay, stored);
+            judge(&format!("{} pairs", path.display()), &replay, stored, Topology::Coarsened);
         }
-        judge(&format!("{} pairs implicit-ids", path.display()), &replay, ImplicitIds);
+        judge(&format!("{} pairs implicit-ids", path.display()), &replay, ImplicitIds, Topology::Coarsened);
         let refused = Stored::dual_piece(&replay).expect_err("pairs are refused").to_string();
         assert!(refused.contains("merges pairs"), "{refused}");
     }

@@ -52,7 +52,8 @@ impl AnyOperator {
     }
 
     /// The edges by which this operator knows neighbours besides triangles, for [`mt_core::Replay::new`]. Collapses, fans
-    /// and operators from elsewhere have none. Vertex pairs have their virtual edges, and the real ones too: an edge stays one when its triangles die.
+    /// and operators from elsewhere have none. Vertex pairs have their virtual edges, and the real ones too: an edge stays
+    /// one when its triangles die.
     pub fn links(&self, mesh: &Mesh<3>) -> Vec<[VertexId; 2]> {
         let Self::VertexPair(pair) = self else { return Vec::new() };
         let mut links = pair.pairs(mesh);
@@ -192,6 +193,7 @@ mod tests {
             assert!(wrong.parse::<AnyOperator>().is_err(), "{wrong}");
         }
     }
+
     #[test]
     fn an_operator_from_elsewhere_does_what_it_does_by_type() {
         let mesh = mt_core::generate::torus(12, 8);

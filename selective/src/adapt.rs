@@ -8,8 +8,9 @@ use mt_core::bits::ones;
 use mt_core::{Front, MultiTessellation, NodeId, Rule, Sink, Step};
 use std::time::Instant;
 
-/// Brings the mesh of the last frame to `criterion`. Ends in the front of [`crate::extract`], for criteria without memory; for
-/// those with, in the least closed front that holds all they ask for, given what was refined when the call began.
+/// Brings the mesh of the last frame to `criterion`. Ends in the front of [`crate::extract`], for static orders and criteria
+/// without memory; for those with, in the least closed front that holds all they ask for, given what was refined when the
+/// call began.
 ///
 /// Without a budget: one sweep over the front by rank coarsens all that is no longer needed, then what lies under the
 /// front is judged and refined. O(front + changes). Under a time limit the expansion goes by urgency; what is left out
@@ -36,10 +37,7 @@ pub fn adapt<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     let start = state.steps.len();
     state.scratch.chains.clear();
     if let Some(cells_max) = limits.cells {
-        return match M::RULE {
-            Rule::Static => adapt_within(model, criterion, cells_max, deadline, state),
-            Rule::Dynamic => adapt_in_place(model, criterion, cells_max, deadline, state),
-        };
+        return adapt_within(model, criterion, cells_max, deadline, state);
     }
     let before = remember(criterion, state);
     let judge = Judge::new(model, criterion, &before);
@@ -97,36 +95,37 @@ fn adapt_within<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
 ) -> Outcome {
     let start = state.steps.len();
     let (target, wanted) = search(model, criterion, cells_max, state);
-    let until = Until { deadline, cells_max: Some(cells_max) };
-    let reached = approach_until(model, &target.view.front, until, state);
+    let reached = match M::RULE {
+        Rule::Static => {
+            approach_until(model, &target.view.front, Until { deadline, cells_max: Some(cells_max) }, state).complete
+        }
+        Rule::Dynamic => approach_legally(model, &target.view.front, cells_max, deadline, state),
+    };
     state.search = Some(target);
     let base = Front::default();
-    let outcome = state.outcome_since(start, wanted.forced, reached.complete && wanted.complete);
+    let outcome = state.outcome_since(start, wanted.forced, reached && wanted.complete);
     outcome.with_runs(Judge::new(model, criterion, &base).whole_runs(state, start))
 }
 
-/// The same by legal steps alone, for rules under which two fronts need have no legal way between them: what the front
-/// that fits lacks is coarsened as far as the rule lets it, what it has is forced as far as the budget lets it.
-fn adapt_in_place<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
+/// Towards a front by legal steps alone, for rules under which two fronts need have no legal way between them: what it
+/// lacks is coarsened as far as the rule lets it, what it has is forced as far as the budget lets it. Whether it got there.
+fn approach_legally<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     model: &M,
-    criterion: &impl Criterion<M::Bound>,
+    target: &Front,
     cells_max: u32,
     deadline: Option<Instant>,
     state: &mut State<N, M, S>,
-) -> Outcome {
-    let start = state.steps.len();
-    let (target, wanted) = search(model, criterion, cells_max, state);
+) -> bool {
     let mut nodes = std::mem::take(&mut state.scratch.wanted);
     nodes.clear();
-    nodes.extend(state.view.front.difference(&target.view.front));
+    nodes.extend(state.view.front.difference(target));
     nodes.iter().for_each(|&m| _ = state.try_coarsen(model, m));
     shrink(model, cells_max, state);
     nodes.clear();
-    nodes.extend(target.view.front.difference(&state.view.front));
-    let (mut turn, mut in_time) = (0, true);
+    nodes.extend(target.difference(&state.view.front));
+    let mut turn = 0;
     for &m in nodes.iter().rev() {
-        in_time = !is_late(deadline, &mut turn);
-        if !in_time {
+        if is_late(deadline, &mut turn) {
             break;
         }
         if !state.view.front.is_refined(m) {
@@ -134,11 +133,7 @@ fn adapt_in_place<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
         }
     }
     state.scratch.wanted = nodes;
-    let complete = in_time && wanted.complete && target.view.front == state.view.front;
-    state.search = Some(target);
-    let base = Front::default();
-    let outcome = state.outcome_since(start, wanted.forced, complete);
-    outcome.with_runs(Judge::new(model, criterion, &base).whole_runs(state, start))
+    state.view.front == *target
 }
 
 /// Coarsens what lets itself be coarsened, finest first, until the mesh has no more cells than allowed. One sweep after

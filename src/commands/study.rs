@@ -19,33 +19,18 @@ pub struct Study {
     #[arg(short, long, value_name = "DIR", default_value = "study")]
     output: PathBuf,
     /// Operators: edge-collapse, half-edge-collapse, vertex-pair, fan-merge, or all; collapses also with a metric
-    #[arg(
-        long,
-        value_name = "A,B",
-        value_delimiter = ',',
-        default_value = "edge-collapse,half-edge-collapse,fan-merge"
-    )]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', default_values = Config::OPERATORS)]
     operators: Vec<String>,
     /// What steps wait for: cells (the explicit model), explicit, one-ring, cut-pair, four-face, dual-piece,
     /// implicit-ids, implicit-ids-stored, dual-piece-free, or all
-    #[arg(
-        long,
-        value_name = "A,B",
-        value_delimiter = ',',
-        default_value = "cells,one-ring,four-face,dual-piece,implicit-ids"
-    )]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', default_values = Config::DEPENDENCIES)]
     dependencies: Vec<String>,
     /// Criteria: uniform, region, screen, facing, silhouette, moving, features, visual, budget, or all
-    #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = "uniform,region,screen,budget")]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', default_values = Config::CRITERIA)]
     criteria: Vec<String>,
     /// Strategies: top-down, priority, incremental, hysteresis, dual, dual-distance, coarse,
     /// or all; the last three are for hierarchies of fans
-    #[arg(
-        long,
-        value_name = "A,B",
-        value_delimiter = ',',
-        default_value = "top-down,priority,incremental,dual,dual-distance,coarse"
-    )]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', default_values = Config::STRATEGIES)]
     strategies: Vec<String>,
     /// Build everything anew, also what an earlier run into the same folder has built
     #[arg(long)]

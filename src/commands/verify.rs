@@ -12,7 +12,7 @@ use mt_core::hierarchy::Dependency;
 use mt_core::{Explicit, Hierarchy, Mesh, Replay, Sequence};
 use multi_tessellation::verify::{self, Counterexample, Summary, Topology};
 use operators::AnyOperator;
-use operators::order::{Scheme, UnknownScheme, VisitHierarchy};
+use operators::order::{Scheme, UnknownScheme, Visit};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -93,8 +93,7 @@ impl Verify {
         meta: &Meta,
         write_mesh: impl Fn(&Path, &Mesh<N>) -> Result<(), CommandError>,
     ) -> Result<ExitCode, CommandError> {
-        let coarsens = meta.operator.parse().is_ok_and(|operator: AnyOperator| operator.coarsens_topology());
-        let topology = if coarsens { Topology::Coarsened } else { Topology::Kept };
+        let topology = meta.operator.parse().map_or(Topology::Kept, |operator| topology_of(&operator));
         let clock = Clock::start();
         let verdict = self.watch(|watch| verify::explicit(model, &self.options(topology), watch))?;
         let summary = match verdict {
@@ -128,7 +127,7 @@ impl Verify {
         let mut told: Vec<Value> = Vec::new();
         for scheme in schemes {
             let clock = Clock::start();
-            let verdict = match scheme.visit_hierarchy(&replay, Laws(self)) {
+            let verdict = match scheme.visit(&replay, Laws(self, topology_of(&operator))) {
                 Ok(verdict) => verdict?,
                 Err(error) if is_one => return Err(FileError::new(&self.model, error).into()),
                 Err(error) => {
@@ -243,13 +242,18 @@ impl Verify {
     }
 }
 
-/// Verifies a hierarchy, whatever its dependencies.
-struct Laws<'a>(&'a Verify);
+/// What an operator may do to the topology of a mesh.
+fn topology_of(operator: &AnyOperator) -> Topology {
+    if operator.coarsens_topology() { Topology::Coarsened } else { Topology::Kept }
+}
 
-impl VisitHierarchy for Laws<'_> {
+/// Verifies a hierarchy, whatever its dependencies.
+struct Laws<'a>(&'a Verify, Topology);
+
+impl Visit for Laws<'_> {
     type Output = Result<Verdict<3>, CommandError>;
     fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Self::Output {
-        let options = self.0.options(Topology::default());
+        let options = self.0.options(self.1);
         self.0.watch(|watch| verify::hierarchy(model, &options, watch))
     }
 }

@@ -3,7 +3,7 @@
 //! Static orders are held to every law; dynamic rules to those that do not speak of an order, on fronts that random
 //! steps reach.
 
-use super::{Counterexample, Options, Summary, held, minimality, shrink};
+use super::{Counterexample, Options, Summary, Topology, held, minimality, shrink};
 use mt_core::check::{self, Breach, Domain, Law, Random};
 use mt_core::hierarchy::{Dependency, VertexMesh};
 use mt_core::model::{MultiTessellation, Step, View, cells_of, mesh_of};
@@ -19,7 +19,7 @@ pub fn hierarchy<D: Dependency + Send>(
     watch: &mut dyn FnMut(u32) -> bool,
 ) -> Result<Summary, Box<Counterexample<3>>> {
     let mut summary = Summary::new();
-    let laws = Laws::new(model, &mut summary).map_err(|breach| {
+    let laws = Laws::new(model, options.topology, &mut summary).map_err(|breach| {
         let front = Front::base(model.len());
         Box::new(counterexample(model, breach, front, 0))
     })?;
@@ -80,7 +80,7 @@ struct Laws<'a, D> {
 
 impl<'a, D: Dependency + Send> Laws<'a, D> {
     /// The laws on the model as a whole.
-    fn new(model: &'a Hierarchy<D>, summary: &mut Summary) -> Result<Self, Breach> {
+    fn new(model: &'a Hierarchy<D>, topology: Topology, summary: &mut Summary) -> Result<Self, Breach> {
         let replay = &model.replay;
         let order = check::order_of(model)?;
         held(summary, Law::Order);
@@ -92,6 +92,10 @@ impl<'a, D: Dependency + Send> Laws<'a, D> {
         held(summary, Law::Ends);
         // Pairs sew sheets together, so what their meshes are is for the quotient and the boundary's image to say.
         let mut domain = Domain { content: None, ..Domain::of_mesh(&reference) };
+        if let Some(&node) = replay.sewn().first().filter(|_| topology == Topology::Kept && domain.manifold) {
+            let what = format!("node {node} sews sheets together or pinches them, which is said not to happen");
+            return Err(Breach { law: Law::CrackFree, what, node: Some(node) });
+        }
         if !replay.is_manifold() {
             (domain.manifold, domain.oriented) = (false, false);
         }

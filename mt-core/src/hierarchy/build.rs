@@ -58,22 +58,12 @@ pub enum HierarchyError {
     #[error(transparent)]
     Sequence(#[from] InvalidSequence),
     /// A scheme does not take this sequence.
-    #[error("{scheme} does not take this sequence: {why}; {count} nodes sew or pinch, the first: {places}")]
+    #[error("{scheme} does not take this sequence: {why}")]
     Unfit {
         /// The scheme.
         scheme: &'static str,
-        /// What is in the way.
-        why: &'static str,
-        /// How many nodes are concerned.
-        count: usize,
-        /// The first few of them.
-        places: String,
-    },
-    /// A scheme takes edges and pairs alone.
-    #[error("{scheme} does not take this sequence: it has fans, which merged in part have ids that nothing had before")]
-    Fans {
-        /// The scheme.
-        scheme: &'static str,
+        /// What is in the way, with the first nodes concerned where it is nodes.
+        why: String,
     },
     /// An order lacks something that soundness needs.
     #[error(

@@ -11,6 +11,9 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// When a node of a vertex hierarchy may be refined or coarsened, besides what the forest asks for.
+///
+/// Asked at every step, so answers should cost no more than the star of a vertex, and allocate nothing but in `out`. What
+/// `prerequisites` name must have larger ids than `m`, what `obstacles` name smaller ones.
 pub trait Dependency: Sync {
     /// Which laws the scheme claims.
     const RULE: Rule;

@@ -7,7 +7,7 @@ use mt_core::{NodeId, Replay};
 
 type Entries = Vec<(NodeId, NodeId)>;
 
-/// Every vertex around the merged one is there or refined, across virtual edges as well.
+/// Every vertex around the merged one is there or refined, across links as well.
 pub(super) fn one_ring(replay: &Replay) -> Entries {
     let mut entries = Vec::new();
     let mut ring = Vec::new();
@@ -99,18 +99,22 @@ pub(super) fn dual_piece(replay: &Replay) -> Entries {
 
 /// Schemes that cut a vertex along two edges take manifolds that stay manifolds alone.
 pub(super) fn require_manifold(replay: &Replay, scheme: &'static str) -> Result<(), HierarchyError> {
-    let (nodes, why): (&[NodeId], &str) = if !replay.links().is_empty() {
-        (replay.sewn(), "it merges pairs, which need not share a triangle")
-    } else if !replay.sewn().is_empty() {
-        (replay.sewn(), "it has merges that sew sheets together or pinch them")
+    let sewn = replay.sewn();
+    let why = if !replay.links().is_empty() {
+        "it merges pairs, which need not share a triangle"
+    } else if !sewn.is_empty() {
+        "it has merges that sew sheets together or pinch them"
     } else if !replay.is_manifold() {
-        (&[], "the input is not a manifold")
+        "the input is not a manifold"
     } else {
         return Ok(());
     };
-    let places: Vec<String> = nodes.iter().take(5).map(NodeId::to_string).collect();
-    let places = if places.is_empty() { "none".to_owned() } else { places.join(", ") };
-    Err(HierarchyError::Unfit { scheme, why, count: nodes.len(), places })
+    let first: Vec<String> = sewn.iter().take(5).map(NodeId::to_string).collect();
+    let places = match sewn.len() {
+        0 => String::new(),
+        count => format!("; {count} nodes sew or pinch, the first: {}", first.join(", ")),
+    };
+    Err(HierarchyError::Unfit { scheme, why: format!("{why}{places}") })
 }
 
 /// The least and the largest id around each merged vertex at analysis.

@@ -9,7 +9,7 @@ use mt_core::hierarchy::{Dependency, HierarchyError, VertexMesh};
 use mt_core::{Coarsen, NodeId, Replay, Rule, VertexId, View};
 
 /// Nothing is stored: a split is legal when its id is above those of all neighbours, a merge when the parent's id is below
-/// those of all the neighbours' parents. Neighbours are those across triangles and across virtual edges.
+/// those of all the neighbours' parents. Neighbours are those across triangles and across links.
 ///
 /// A vertex of a fan that is merged in part counts by what it is now, not by its whole fan.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
@@ -45,10 +45,10 @@ impl Dependency for ImplicitIds {
 ///
 /// For merges this is weaker than [`ImplicitIds`]: a neighbour may have been refined and its id still be in the range.
 /// So a neighbour may also be merged before its time; what is around it then waits until it is split again, or what
-/// merges could not be split. **It is unsound**: on rare fronts (some in a thousand on sharp models, none on small random
-/// ones) an edge gets four triangles, which `mtess verify MESH --dependency implicit-ids-stored --fronts 1000` finds; so
-/// the ids of current neighbours are what the scheme is meant to be. Fans are refused: merged in part they have ids that
-/// no neighbour had at analysis, and meshes break at once. 8 bytes a node.
+/// merges could not be split. **It is unsound**: within a thousand random fronts of a sharp model an edge gets four
+/// triangles (`mtess verify fandisk.obj --dependency implicit-ids-stored --fronts 1000`), so the ids of current neighbours
+/// are what the scheme is meant to be. Fans are refused: merged in part they have ids that no neighbour had at analysis, and
+/// meshes break on small models already. 8 bytes a node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredIds {
     ranges: Vec<[u32; 2]>,
@@ -58,7 +58,8 @@ impl StoredIds {
     /// The ranges of the ids around each merged vertex. O(stars of all merges).
     pub fn new(replay: &Replay) -> Result<Self, HierarchyError> {
         if !replay.is_single() {
-            return Err(HierarchyError::Fans { scheme: "implicit-ids-stored" });
+            let why = "it has fans, which merged in part have ids that nothing had at analysis".to_owned();
+            return Err(HierarchyError::Unfit { scheme: "implicit-ids-stored", why });
         }
         Ok(Self { ranges: one_ring_ids(replay) })
     }

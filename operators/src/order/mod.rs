@@ -26,5 +26,5 @@ mod stored;
 
 pub use free::DualPieceFree;
 pub use implicit::{ImplicitIds, StoredIds};
-pub use scheme::{Scheme, UnknownScheme, Visit, VisitHierarchy};
+pub use scheme::{Scheme, UnknownScheme, Visit};
 pub use stored::Stored;

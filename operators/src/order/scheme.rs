@@ -2,7 +2,7 @@
 
 use super::{DualPieceFree, ImplicitIds, Stored, StoredIds};
 use mt_core::hierarchy::{Dependency, HierarchyError};
-use mt_core::{Bound, Hierarchy, MultiTessellation, Replay};
+use mt_core::{Hierarchy, Replay};
 use std::sync::Arc;
 
 /// A dependency scheme.
@@ -26,30 +26,12 @@ pub enum Scheme {
     DualPieceFree,
 }
 
-/// Work on a model whose type is known only when a name has been read.
+/// Work on a hierarchy whose type is known only when a name has been read.
 pub trait Visit {
     /// What comes of it.
     type Output;
     /// Does it.
-    fn visit<M: MultiTessellation<3, Bound = Bound>>(self, model: &M) -> Self::Output;
-}
-
-/// The same where the work wants the hierarchy itself, with its replay and its dependencies.
-pub trait VisitHierarchy {
-    /// What comes of it.
-    type Output;
-    /// Does it.
     fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Self::Output;
-}
-
-/// Work on any model is work on a hierarchy.
-struct AsModel<V>(V);
-
-impl<V: Visit> VisitHierarchy for AsModel<V> {
-    type Output = V::Output;
-    fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> V::Output {
-        self.0.visit(model)
-    }
 }
 
 impl Scheme {
@@ -96,29 +78,8 @@ impl Scheme {
         })
     }
 
-    /// Derives the scheme for a replay and gives the bytes it stores, and the needs that the forest does not imply.
-    pub fn size(self, replay: &Replay) -> Result<(usize, usize), HierarchyError> {
-        if let Some(stored) = self.stored(replay)? {
-            return Ok((stored.bytes(), stored.needs_rows().entry_count()));
-        }
-        Ok(match self {
-            Scheme::ImplicitIdsStored => (StoredIds::new(replay)?.bytes(), 0),
-            Scheme::DualPieceFree => (DualPieceFree::new(replay)?.bytes(), 0),
-            _ => (ImplicitIds.bytes(), 0),
-        })
-    }
-
-    /// Derives the scheme for a replay, and does `work` on the hierarchy as on any model.
-    pub fn visit<V: Visit>(self, replay: &Arc<Replay>, work: V) -> Result<V::Output, HierarchyError> {
-        self.visit_hierarchy(replay, AsModel(work))
-    }
-
     /// Derives the scheme for a replay, and does `work` on the hierarchy.
-    pub fn visit_hierarchy<V: VisitHierarchy>(
-        self,
-        replay: &Arc<Replay>,
-        work: V,
-    ) -> Result<V::Output, HierarchyError> {
+    pub fn visit<V: Visit>(self, replay: &Arc<Replay>, work: V) -> Result<V::Output, HierarchyError> {
         let shared = Arc::clone(replay);
         if let Some(dependency) = self.stored(replay)? {
             return Ok(work.visit(&Hierarchy { replay: shared, dependency }));

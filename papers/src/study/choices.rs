@@ -120,13 +120,6 @@ impl DependencyKind {
             Self::Scheme(scheme) => scheme.name(),
         }
     }
-
-    fn is_static(self) -> bool {
-        match self {
-            Self::Cells => true,
-            Self::Scheme(scheme) => scheme.is_static(),
-        }
-    }
 }
 
 impl std::str::FromStr for DependencyKind {
@@ -151,14 +144,21 @@ pub(super) fn is_sensible(
     match strategy {
         // A budget is met by priority; depth first it would be the same computation under another name.
         StrategyKind::TopDown => !budget,
-        StrategyKind::Priority | StrategyKind::Incremental => !budget || dependency.is_static(),
-        StrategyKind::Hysteresis => !budget && dependency.is_static(),
+        StrategyKind::Priority | StrategyKind::Incremental => true,
+        StrategyKind::Hysteresis => !budget,
         // Without runs there is one path; the explicit model knows a fan as one node.
         StrategyKind::Dual | StrategyKind::DualDistance | StrategyKind::Coarse => {
             !budget && has_runs && dependency != DependencyKind::Cells
         }
     }
 }
+
+/// What [`is_sensible`] leaves out, for a reader.
+pub(super) const LEFT_OUT: [&str; 3] = [
+    "a budget top-down, which would be the same as by priority; with hysteresis; and along the paths of fans",
+    "dual, dual-distance and coarse where no fans are: they differ for hierarchies of fans alone (cells knows a fan as one node)",
+    "schemes that do not take a sequence, each of them with its reason at the end of the page",
+];
 
 /// A criterion and the limits it is asked under, for one frame.
 pub(super) struct Query {
@@ -168,8 +168,8 @@ pub(super) struct Query {
 
 /// What the queries of a subject have in common.
 pub(super) struct Scene<'a> {
-    subject: &'a Subject,
-    config: &'a Config,
+    pub(super) subject: &'a Subject,
+    pub(super) config: &'a Config,
     pub(super) cameras: Vec<Camera>,
     features: Arc<PointIndex>,
     diagonal: f32,

@@ -29,7 +29,6 @@ use mt_core::hierarchy::HierarchyError;
 use mt_core::{Mesh, generate};
 use observe::Observe;
 use operators::AnyOperator;
-use operators::order::Visit;
 use std::time::Instant;
 
 /// A mesh to study.
@@ -62,13 +61,24 @@ pub struct Config {
     pub picture_px: Option<(u32, u32)>,
 }
 
+impl Config {
+    /// The operators of a study that names none.
+    pub const OPERATORS: [&str; 3] = ["edge-collapse", "half-edge-collapse", "fan-merge"];
+    /// The dependencies of a study that names none.
+    pub const DEPENDENCIES: [&str; 5] = ["cells", "one-ring", "four-face", "dual-piece", "implicit-ids"];
+    /// The criteria of a study that names none.
+    pub const CRITERIA: [&str; 4] = ["uniform", "region", "screen", "budget"];
+    /// The strategies of a study that names none.
+    pub const STRATEGIES: [&str; 6] = ["top-down", "priority", "incremental", "dual", "dual-distance", "coarse"];
+}
+
 impl Default for Config {
     fn default() -> Self {
         Self {
-            operators: named(&["edge-collapse", "half-edge-collapse", "fan-merge"]),
-            dependencies: named(&["cells", "one-ring", "four-face", "dual-piece", "implicit-ids"]),
-            criteria: named(&["uniform", "region", "screen", "budget"]),
-            strategies: named(&["top-down", "priority", "incremental", "dual", "dual-distance", "coarse"]),
+            operators: named(&Self::OPERATORS),
+            dependencies: named(&Self::DEPENDENCIES),
+            criteria: named(&Self::CRITERIA),
+            strategies: named(&Self::STRATEGIES),
             frames: 90,
             error_px: 1.0,
             samples: 20_000,
@@ -77,9 +87,12 @@ impl Default for Config {
     }
 }
 
-/// Choices by names that are known to be good.
-fn named<T: std::str::FromStr>(names: &[&str]) -> Vec<T> {
-    names.iter().filter_map(|name| name.parse().ok()).collect()
+/// Choices by names of our own.
+///
+/// # Panics
+/// Where a name is none, which is a slip in the lists above.
+fn named<T: std::str::FromStr<Err: std::fmt::Debug>>(names: &[&str]) -> Vec<T> {
+    names.iter().map(|name| name.parse().expect("a name of ours")).collect()
 }
 
 /// The subjects of a study that names none: a fractal terrain and a genus-2 surface with detail, about 20,000 triangles
@@ -136,8 +149,7 @@ pub fn run(
             };
             for &dependency in &config.dependencies {
                 steps.next(subject, &name, dependency.name())?;
-                let work = Work { subject, operator: &name, scene: &scene, config };
-                work.observe(&pair, dependency, &mut results, &mut steps)?;
+                observe(&scene, &name, &pair, dependency, &mut results, &mut steps)?;
             }
             steps.next(subject, &name, "measuring")?;
             quality::measure(subject, &name, &pair.explicit, config, &mut results);
@@ -152,59 +164,26 @@ pub fn run(
     Ok(results)
 }
 
-/// A subject and an operator under study.
-struct Work<'a> {
-    subject: &'a Subject,
-    operator: &'a str,
-    scene: &'a Scene<'a>,
-    config: &'a Config,
-}
-
-impl Work<'_> {
-    /// Observes one dependency. A scheme that does not take the sequence is noted, and the study goes on.
-    fn observe(
-        &self,
-        pair: &Pair,
-        dependency: DependencyKind,
-        results: &mut Results,
-        steps: &mut Steps<'_>,
-    ) -> Result<(), StudyError> {
-        let vertices = self.subject.mesh.vertex_count().max(1) as f64;
-        let begun = Instant::now();
-        // Deriving an order is timed by itself; the visit below derives it again.
-        let size = match dependency {
-            DependencyKind::Cells => Ok((pair.explicit.bytes(), 0)),
-            DependencyKind::Scheme(scheme) => {
-                scheme.size(&pair.replay).map(|(bytes, needs)| (pair.replay.bytes() + bytes, needs))
-            }
-        };
-        let seconds = begun.elapsed().as_secs_f64();
-        let (bytes, needs) = match size {
-            Ok(size) => size,
-            Err(error) => {
-                results.notes.push(format!("{}, {}: {error}", self.subject.name, self.operator));
-                return Ok(());
-            }
-        };
-        let observe = Observe {
-            subject: self.subject,
-            operator: self.operator,
-            dependency,
-            scene: self.scene,
-            has_runs: !pair.replay.is_single(),
-            size: (bytes as f64 / vertices, needs),
-            seconds,
-            config: self.config,
-            results,
-            steps,
-        };
-        match dependency {
-            DependencyKind::Cells => observe.visit(&pair.explicit),
-            DependencyKind::Scheme(scheme) => scheme
-                .visit(&pair.replay, observe)
-                .map_err(|error| StudyError::Hierarchy(self.subject.name.clone(), error))?,
-        }
-    }
+/// Observes one dependency. A scheme that does not take the sequence is noted, and the study goes on.
+fn observe(
+    scene: &Scene<'_>,
+    operator: &str,
+    pair: &Pair,
+    dependency: DependencyKind,
+    results: &mut Results,
+    steps: &mut Steps<'_>,
+) -> Result<(), StudyError> {
+    let has_runs = !pair.replay.is_single();
+    let begun = Instant::now();
+    let observe = Observe { scene, operator, dependency, has_runs, begun, results: &mut *results, steps };
+    let seen = match dependency {
+        DependencyKind::Cells => return observe.model(&pair.explicit, pair.explicit.bytes()),
+        DependencyKind::Scheme(scheme) => scheme.visit(&pair.replay, observe),
+    };
+    seen.unwrap_or_else(|error| {
+        results.notes.push(format!("{}, {operator}: {error}", scene.subject.name));
+        Ok(())
+    })
 }
 
 /// How far a study is, and whom to tell.

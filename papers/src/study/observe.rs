@@ -2,9 +2,10 @@
 
 use super::choices::{Query, Scene, is_sensible};
 use super::features::folds;
-use super::{Config, DependencyKind, Observation, Ordered, Results, Steps, StrategyKind, StudyError, Subject};
+use super::{DependencyKind, Observation, Ordered, Results, Steps, StrategyKind, StudyError};
+use mt_core::hierarchy::Dependency;
 use mt_core::model::{Step, cells_of, take};
-use mt_core::{Bits, Bound, Cell, CellId, Coarsen, MultiTessellation, NodeId, Rule, Sink, check};
+use mt_core::{Bits, Bound, Cell, CellId, Coarsen, Hierarchy, MultiTessellation, NodeId, Rule, Sink, check};
 use operators::order::Visit;
 use selective::{Hysteresis, OnPath, Outcome, State, Strategy, adapt, extract};
 use std::time::Instant;
@@ -33,15 +34,12 @@ impl Sink<3> for Touched {
 
 /// Observes a model under one dependency: all sensible combinations of the rest.
 pub(super) struct Observe<'a, 'b> {
-    pub(super) subject: &'a Subject,
+    pub(super) scene: &'a Scene<'a>,
     pub(super) operator: &'a str,
     pub(super) dependency: DependencyKind,
-    pub(super) scene: &'a Scene<'a>,
     pub(super) has_runs: bool,
-    /// Bytes an input vertex, and needs stored besides the forest.
-    pub(super) size: (f64, usize),
-    pub(super) seconds: f64,
-    pub(super) config: &'a Config,
+    /// When deriving the dependency began.
+    pub(super) begun: Instant,
     pub(super) results: &'a mut Results,
     pub(super) steps: &'a mut Steps<'b>,
 }
@@ -49,37 +47,55 @@ pub(super) struct Observe<'a, 'b> {
 impl Visit for Observe<'_, '_> {
     type Output = Result<(), StudyError>;
 
-    fn visit<M: MultiTessellation<3, Bound = Bound>>(mut self, model: &M) -> Self::Output {
-        self.note_order(model)?;
-        let config = self.config;
+    fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Self::Output {
+        self.model(model, model.bytes())
+    }
+}
+
+impl Observe<'_, '_> {
+    /// Observes any model of so many bytes.
+    pub(super) fn model<M: MultiTessellation<3, Bound = Bound>>(
+        mut self,
+        model: &M,
+        bytes: usize,
+    ) -> Result<(), StudyError> {
+        let seconds = self.begun.elapsed().as_secs_f64();
+        self.note_order(model, bytes, seconds)?;
+        let config = self.scene.config;
         for &criterion in &config.criteria {
             for &strategy in &config.strategies {
                 if is_sensible(self.dependency, criterion, strategy, self.has_runs) {
-                    self.steps.go_on(&self.subject.name)?;
+                    self.steps.go_on(&self.scene.subject.name)?;
                     self.follow(model, criterion, strategy);
                 }
             }
         }
         Ok(())
     }
-}
 
-impl Observe<'_, '_> {
     /// What the order is by itself, and how fast it steps.
-    fn note_order<M: MultiTessellation<3, Bound = Bound>>(&mut self, model: &M) -> Result<(), StudyError> {
-        let order = check::order_of(model).map_err(|breach| StudyError::Law(self.subject.name.clone(), breach))?;
-        let ns = nanoseconds_a_step(model);
+    fn note_order<M: MultiTessellation<3, Bound = Bound>>(
+        &mut self,
+        model: &M,
+        bytes: usize,
+        seconds: f64,
+    ) -> Result<(), StudyError> {
+        let subject = self.scene.subject;
+        let order = check::order_of(model).map_err(|breach| StudyError::Law(subject.name.clone(), breach))?;
+        // What a hierarchy stores are the needs besides parents; the explicit model stores none, they follow from cells.
+        let parents = model.len() as usize - order.roots().count();
+        let is_stored = M::RULE == Rule::Static && self.dependency != DependencyKind::Cells;
         self.results.ordered.push(Ordered {
-            model: self.subject.name.clone(),
+            model: subject.name.clone(),
             operator: self.operator.to_owned(),
             dependency: self.dependency.name(),
             is_static: M::RULE == Rule::Static,
             arcs: order.arc_count(),
-            beyond_forest: self.size.1,
+            beyond_forest: is_stored.then(|| order.arc_count() - parents),
             depth: order.depth(),
-            bytes_per_vertex: self.size.0,
-            seconds: self.seconds,
-            nanoseconds_a_step: ns,
+            bytes_per_vertex: bytes as f64 / subject.mesh.vertex_count().max(1) as f64,
+            seconds,
+            nanoseconds_a_step: (0..3).map(|_| nanoseconds_a_step(model)).fold(f64::INFINITY, f64::min),
         });
         Ok(())
     }
@@ -107,7 +123,7 @@ impl Observe<'_, '_> {
             let is_counted = frame % FOLDS_EVERY == 0 && strategy == StrategyKind::Incremental;
             let turned = before.difference(state.front()).count() + state.front().difference(&before).count();
             self.results.observations.push(Observation {
-                model: self.subject.name.clone(),
+                model: self.scene.subject.name.clone(),
                 operator: self.operator.to_owned(),
                 dependency: self.dependency.name(),
                 criterion: criterion.name(),
@@ -147,7 +163,7 @@ impl Observe<'_, '_> {
             StrategyKind::Priority => Strategy::Priority,
             StrategyKind::Incremental => return adapt(model, wish, &query.limits, state),
             StrategyKind::Hysteresis => {
-                let margin = 0.5 * self.config.error_px;
+                let margin = 0.5 * self.scene.config.error_px;
                 return adapt(model, &Hysteresis { criterion: wish, margin }, &query.limits, state);
             }
             StrategyKind::Dual | StrategyKind::DualDistance | StrategyKind::Coarse => {

@@ -1,5 +1,6 @@
 //! The report: one page with tables, plots and pictures, for somebody who was not there.
 
+use super::choices::LEFT_OUT;
 use super::results::{Built, Observation, Ordered, Results};
 use super::tables;
 use crate::html::{Align, Page, Table};
@@ -35,8 +36,10 @@ pub fn page(results: &Results) -> String {
     page.heading(2, "Dependencies");
     page.paragraph(
         "What steps wait for, on the same sequence. \"Beyond the forest\" are needs that the parents do not imply, which is \
-         all that is stored; for dual-piece these are the nodes whose cut vertices could coincide. A step's time is that of \
-         refining everything and coarsening it again, with every check.",
+         all that a static scheme stores; for dual-piece these are the nodes whose cut vertices could coincide. \"cells\" is \
+         the explicit model: its nodes are whole fans, its bounds are spheres of their own, and it asks for no parents, so its \
+         meshes differ from those of \"explicit\", which is the same relation on the hierarchy. \"ns a bare step\" is that of \
+         refining everything and coarsening it again with every check, the best of three rounds.",
     );
     page.table(&ordered_table(&results.ordered));
     schemes(&mut page, results);
@@ -64,14 +67,17 @@ pub fn page(results: &Results) -> String {
 fn introduction(page: &mut Page, results: &Results) {
     page.paragraph(&format!(
         "Each model was coarsened to the end by each operator and every step was kept. A camera then went once around it \
-         in {} frames, from afar to close by and back, and each criterion was answered by each strategy under each \
-         dependency. All numbers are in results.csv, one observation a row. Times are wall seconds of one run on one \
-         machine; compare them within this page.",
+         in {} frames, from afar to close by and back, and criteria were answered by strategies under dependencies in every \
+         combination that says something of its own. All numbers are in results.csv, one observation a row. Counts are \
+         exact. Times are wall seconds of one run on one machine: rows that differ by less than a factor of two need not \
+         differ at all.",
         results.frames
     ));
     let asked: BTreeMap<&str, String> =
         results.observations.iter().map(|o| (o.criterion, tables::meaning(o.criterion, results.error_px))).collect();
     page.list(asked.iter().map(|(name, meaning)| format!("{name}: {meaning}")));
+    page.paragraph("Left out:");
+    page.list(LEFT_OUT);
 }
 
 /// The schemes on the same frames: the heart of the page.
@@ -79,10 +85,18 @@ fn schemes(page: &mut Page, results: &Results) {
     page.heading(2, "Schemes compared");
     page.paragraph(
         "Means over the same frames, incrementally. \"Forced\" are modifications that the criterion did not ask for, but that \
-         others need; a chain is what refining one node took, and 95 of 100 are no longer than \"p95\" in the mean frame. \
-         \"Ratio\" compares vertices with those of dual-piece where that was run, else with the fewest. \"Folds\" are inner \
-         edges whose triangles nearly face each other.",
+         others need; a chain is what refining one node took; \"chain p95\" is the mean over the frames of each frame's 95th percentile, 0 \
+         where nothing was refined. \"Ratio\" compares vertices with those of dual-piece where that was run, else with the \
+         fewest. \"Folds\" are inner edges whose triangles nearly face each other. \"ns a step, in all\" is the time of a frame \
+         by its steps, so it holds the judging of all nodes that stay as they are.",
     );
+    if let Some(table) = tables::in_short(results) {
+        page.paragraph(
+            "In short: means over all models, criteria region and screen, against dual-piece on the same frames.",
+        );
+        page.table(&table);
+        page.paragraph("And one by one:");
+    }
     let groups = tables::groups(&results.observations, |o| o.strategy == "incremental");
     page.table(&tables::schemes(&groups));
     for model in names(results) {
@@ -110,31 +124,40 @@ fn schemes(page: &mut Page, results: &Results) {
         }
         page.figure_svg(
             &time_plot(results, model).svg(),
-            "Milliseconds of each frame for the screen criterion, by strategy.",
+            &format!(
+                "Milliseconds of each frame for the screen criterion, by strategy ({}).",
+                shown_dependency(results)
+            ),
         );
     }
 }
 
-/// The strategies under the first dependency, and fans against edge collapses.
+/// The strategies under one dependency, and fans against edge collapses.
 fn strategies(page: &mut Page, results: &Results) {
     page.heading(2, "Strategies compared");
-    page.paragraph(
-        "The same criterion answered from the base mesh (top-down, priority) or from the mesh of the last frame. Minimality \
-         makes the sizes of all strategies equal where no budget is set and nothing is remembered; what differs is the work.",
-    );
-    // The last static one is the smallest; the choice says nothing of the strategies.
-    let dependency = results.ordered.iter().rev().find(|o| o.is_static).map_or("", |o| o.dependency);
+    let dependency = shown_dependency(results);
+    page.paragraph(&format!(
+        "The same criterion answered from the base mesh (top-down, priority) or from the mesh of the last frame, under \
+         {dependency}. Minimality makes the sizes of all strategies equal where no budget is set and nothing is remembered; \
+         what differs is the work. \"Nodes turned\" are refined now and were not in the last frame, or the reverse.",
+    ));
     page.table(&tables::strategies(&tables::groups(&results.observations, |o| o.dependency == dependency)));
     if let Some(table) = tables::fans(results) {
         page.heading(2, "Fans against edge collapses");
         page.paragraph(
-            "The comparison of Livny, Sokolovsky and El-Sana (2006), Tables 1 to 3, for the same model and path: a fan step \
+            "The comparison of Livny, Sokolovsky and El-Sana (2006), Tables 1 to 3, for the same model and path, the screen \
+             criterion, and implicit ids where they were run; in \"cells\" each fan is one node of the explicit model. A fan step \
              counts as one operation. Triangles touched say what an operation is worth. The published tables compare meshes of \
              the same size; a fan leaves its centre where it is, so it takes more triangles for the same error, and \
              operations for a thousand triangles are what compares with them.",
         );
         page.table(&table);
     }
+}
+
+/// The dependency under which strategies are shown: the last static one that was run, as good as any.
+fn shown_dependency(results: &Results) -> &'static str {
+    results.ordered.iter().rev().find(|o| o.is_static).map_or("", |o| o.dependency)
 }
 
 fn first_operator(results: &Results) -> &str {
@@ -219,7 +242,7 @@ fn ordered_table(ordered: &[Ordered]) -> Table {
         "depth",
         "bytes a vertex",
         "derived in s",
-        "ns a step",
+        "ns a bare step",
     ];
     let row = |o: &Ordered| {
         vec![
@@ -228,7 +251,7 @@ fn ordered_table(ordered: &[Ordered]) -> Table {
             o.dependency.to_owned(),
             if o.is_static { "static" } else { "dynamic" }.to_owned(),
             o.arcs.to_string(),
-            o.beyond_forest.to_string(),
+            o.beyond_forest.map_or("-".into(), |needs| needs.to_string()),
             o.depth.to_string(),
             format!("{:.1}", o.bytes_per_vertex),
             format!("{:.3}", o.seconds),
@@ -283,7 +306,7 @@ fn quality_plot(results: &Results, model: &str) -> Lines {
 }
 
 fn time_plot(results: &Results, model: &str) -> Lines {
-    let dependency = results.ordered.iter().rev().find(|o| o.is_static).map_or("", |o| o.dependency);
+    let dependency = shown_dependency(results);
     let chosen = |o: &&Observation| o.model == model && o.criterion == "screen" && o.dependency == dependency;
     per_frame(results, chosen, |o| format!("{}, {}", o.strategy, o.operator), |o| o.seconds * 1e3, Axis::linear("ms"))
 }

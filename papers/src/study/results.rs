@@ -92,15 +92,15 @@ pub struct Ordered {
     pub is_static: bool,
     /// Needs in all.
     pub arcs: usize,
-    /// Needs that are stored because the forest does not imply them.
-    pub beyond_forest: usize,
+    /// For static schemes: needs that are stored because the forest does not imply them.
+    pub beyond_forest: Option<usize>,
     /// Longest chain of needs.
     pub depth: u32,
     /// Bytes for each vertex of the input, hierarchy and dependency.
     pub bytes_per_vertex: f64,
     /// Wall seconds of deriving it.
     pub seconds: f64,
-    /// Wall nanoseconds of a step, checks included, refining everything and coarsening it again.
+    /// Wall nanoseconds of a step, checks included, refining everything and coarsening it again: the best of three rounds.
     pub nanoseconds_a_step: f64,
 }
 

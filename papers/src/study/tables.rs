@@ -68,6 +68,63 @@ pub(super) fn groups<'a>(observations: &'a [Observation], chosen: impl Fn(&Obser
     runs.filter(|run| chosen(run[0])).map(|frames| Group { frames }).collect()
 }
 
+/// One row for each operator and dependency: vertices against dual-piece, forced nodes, bytes and time, over all models.
+/// None where dual-piece was not run.
+pub(super) fn in_short(results: &Results) -> Option<Table> {
+    let titles = [
+        "operator",
+        "dependency",
+        "vertices / dual-piece",
+        "forced a frame",
+        "longest chain",
+        "bytes a vertex",
+        "ns a bare step",
+    ];
+    let local = |o: &Observation| o.strategy == "incremental" && matches!(o.criterion, "region" | "screen");
+    let all = groups(&results.observations, local);
+    let vertices = |group: &Group<'_>| group.mean(|o| o.vertices as f64);
+    let mut rows = Vec::new();
+    let mut seen: Vec<(&str, &str)> = Vec::new();
+    for group in &all {
+        let (operator, dependency) = (group.key().operator.as_str(), group.key().dependency);
+        if seen.contains(&(operator, dependency)) {
+            continue;
+        }
+        seen.push((operator, dependency));
+        let same =
+            |other: &&Group<'_>| (other.key().operator.as_str(), other.key().dependency) == (operator, dependency);
+        let mine: Vec<&Group<'_>> = all.iter().filter(same).collect();
+        let ratio = |group: &&Group<'_>| {
+            let k = group.key();
+            let dual = all.iter().find(|other| {
+                let o = other.key();
+                (&o.model, &o.operator, o.criterion, o.dependency) == (&k.model, &k.operator, k.criterion, "dual-piece")
+            })?;
+            Some(vertices(group) / vertices(dual).max(1.0))
+        };
+        let ratios: Vec<f64> = mine.iter().filter_map(ratio).collect();
+        let orders = results.ordered.iter().filter(|o| (o.operator.as_str(), o.dependency) == (operator, dependency));
+        if ratios.is_empty() {
+            continue;
+        }
+        rows.push(vec![
+            operator.to_owned(),
+            dependency.to_owned(),
+            format!("{:.2}", mean(ratios)),
+            format!("{:.1}", mean(mine.iter().map(|group| group.mean(|o| f64::from(o.forced))))),
+            mine.iter().map(|group| group.most(|o| o.chain_max)).max().unwrap_or(0).to_string(),
+            format!("{:.1}", mean(orders.clone().map(|o| o.bytes_per_vertex))),
+            format!("{:.0}", mean(orders.map(|o| o.nanoseconds_a_step))),
+        ]);
+    }
+    (!rows.is_empty()).then(|| Table { caption: String::new(), columns: columns(&titles, 2), rows })
+}
+
+fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
+    let (sum, count) = values.into_iter().fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    sum / f64::max(count, 1.0)
+}
+
 /// One row for each model, operator, criterion and dependency, the dependencies next to each other.
 pub(super) fn schemes(groups: &[Group<'_>]) -> Table {
     let titles = [
@@ -86,7 +143,7 @@ pub(super) fn schemes(groups: &[Group<'_>]) -> Table {
         "coarsened",
         "folds",
         "ms",
-        "ns a step",
+        "ns a step, in all",
     ];
     let mut by_wish: BTreeMap<(&str, &str, &str), Vec<&Group<'_>>> = BTreeMap::new();
     let mut order: Vec<(&str, &str, &str)> = Vec::new();
