@@ -83,7 +83,9 @@ impl Observe<'_, '_> {
         let subject = self.scene.subject;
         let order = check::order_of(model).map_err(|breach| StudyError::Law(subject.name.clone(), breach))?;
         // What a hierarchy stores are the needs besides parents; the explicit model stores none, they follow from cells.
-        let parents = model.len() as usize - order.roots().count();
+        let mut roots = Vec::new();
+        model.roots(&mut roots);
+        let parents = model.len() as usize - roots.len();
         let is_stored = M::RULE == Rule::Static && self.dependency != DependencyKind::Cells;
         self.results.ordered.push(Ordered {
             model: subject.name.clone(),
