@@ -25,7 +25,7 @@ fn laws_hold<D: Dependency + Send>(name: &str, replay: &Arc<Replay>, dependency:
 fn hold_under<D: Dependency + Send>(options: verify::Options, name: &str, replay: &Arc<Replay>, dependency: D) {
     let model = Hierarchy { replay: Arc::clone(replay), dependency };
     if let Err(found) = verify::hierarchy(&model, &options, &mut |_| true) {
-        panic!("{name}: {} at a front of {} nodes (found at {})", found.breach, found.front.len(), found.found_at);
+        panic!("{name}: {} at a front of {} nodes (found at {})", found.breach, found.front.len(), found.found.front);
     }
 }
 
@@ -335,5 +335,5 @@ fn an_order_that_is_refused_would_break_the_mesh() {
     let found = verify::hierarchy(&model, &options, &mut |_| true).expect_err("parents alone are unsound");
     assert!(matches!(found.breach.law, Law::CrackFree | Law::Partition), "{}", found.breach);
     // Small enough to look at.
-    assert!(found.front.len() <= 60, "{} nodes, found at {}", found.front.len(), found.found_at);
+    assert!(found.front.len() <= 60, "{} nodes, found at {}", found.front.len(), found.found.front);
 }

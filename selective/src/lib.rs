@@ -28,6 +28,7 @@
 //! ```
 
 mod adapt;
+mod certify;
 mod criterion;
 mod exact;
 mod extract;
@@ -35,6 +36,7 @@ mod judge;
 mod state;
 
 pub use adapt::{adapt, approach};
+pub use certify::certify;
 pub use criterion::{
     Criterion, Facing, FeaturePoints, Frustum, Hysteresis, InRegion, InView, Measure, Moving, NormalChange, OnPath,
     Pace, Path, PointIndex, Reading, Region, Relax, ScreenError, Silhouette, Transfer, TransferError, UniformError,

@@ -144,6 +144,7 @@ impl Build {
                 Errors::Estimate => ErrorKind::Estimate,
                 Errors::Measured => ErrorKind::Measured,
             },
+            ..Options::default()
         };
         let mut progress = Progress::new("coarsening", mesh.cell_count() as u64);
         let mut recorder = Recorder::new(mesh).map_err(|error| self.explain(error.into()))?;

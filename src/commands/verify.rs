@@ -8,14 +8,13 @@ use clap::Args;
 use mt_core::analysis::{AnalysisError, Options, Stopped, Unfit};
 use mt_core::container::Meta;
 use mt_core::format::{Format, LoadOptions};
-use mt_core::hierarchy::Dependency;
-use mt_core::{Explicit, Hierarchy, Mesh, Replay, Sequence};
+use mt_core::{Explicit, Mesh, Replay, Sequence};
 use multi_tessellation::verify::{self, Counterexample, Summary, Topology};
 use operators::AnyOperator;
-use operators::order::{Scheme, UnknownScheme, Visit};
+use operators::order::{Scheme, UnknownScheme};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -59,9 +58,6 @@ impl FromStr for Schemes {
     }
 }
 
-/// How a check came out, if nothing went wrong.
-type Verdict<const N: usize> = Result<Summary, Box<Counterexample<N>>>;
-
 impl Verify {
     pub fn run(self) -> Result<ExitCode, CommandError> {
         files::check_folder(&self.counterexample)?;
@@ -77,9 +73,8 @@ impl Verify {
             }
         }
         match &model {
-            Model::Triangles(model) => self.model(model, &meta, write_obj),
-            // No mesh format here carries tetrahedra; the text log has them.
-            Model::Tetrahedra(model) => self.model(model, &meta, |_, _| Ok(())),
+            Model::Triangles(model) => self.model(model, &meta),
+            Model::Tetrahedra(model) => self.model(model, &meta),
         }
     }
 
@@ -87,18 +82,13 @@ impl Verify {
         verify::Options { fronts: self.fronts, seed: self.seed, topology }
     }
 
-    fn model<const N: usize>(
-        &self,
-        model: &Explicit<N>,
-        meta: &Meta,
-        write_mesh: impl Fn(&Path, &Mesh<N>) -> Result<(), CommandError>,
-    ) -> Result<ExitCode, CommandError> {
+    fn model<const N: usize>(&self, model: &Explicit<N>, meta: &Meta) -> Result<ExitCode, CommandError> {
         let topology = meta.operator.parse().map_or(Topology::Kept, |operator| topology_of(&operator));
         let clock = Clock::start();
         let verdict = self.watch(|watch| verify::explicit(model, &self.options(topology), watch))?;
         let summary = match verdict {
             Ok(summary) => summary,
-            Err(found) => return self.report(&found, None, write_mesh),
+            Err(found) => return self.report(&found, None),
         };
         if self.json {
             print_json(&json!({
@@ -127,8 +117,10 @@ impl Verify {
         let mut told: Vec<Value> = Vec::new();
         for scheme in schemes {
             let clock = Clock::start();
-            let verdict = match scheme.visit(&replay, Laws(self, topology_of(&operator))) {
-                Ok(verdict) => verdict?,
+            let options = self.options(topology_of(&operator));
+            let judged = self.watch(|watch| verify::scheme(&replay, scheme, &options, watch))?;
+            let verdict = match judged {
+                Ok(verdict) => verdict,
                 Err(error) if is_one => return Err(FileError::new(&self.model, error).into()),
                 Err(error) => {
                     if !self.json {
@@ -139,7 +131,7 @@ impl Verify {
                 }
             };
             match verdict {
-                Err(found) => return self.report(&found, Some((&operator, scheme)), write_obj),
+                Err(found) => return self.report(&found, Some((&operator, scheme))),
                 Ok(summary) => {
                     let seconds = clock.wall();
                     if !self.json {
@@ -176,10 +168,10 @@ impl Verify {
     }
 
     /// Runs a check that hears of Ctrl-C. Cut short, it has not seen what it would say holds.
-    fn watch<const N: usize>(
+    fn watch<T, E>(
         &self,
-        check: impl FnOnce(&mut dyn FnMut(u32) -> bool) -> Verdict<N>,
-    ) -> Result<Verdict<N>, CommandError> {
+        check: impl FnOnce(&mut dyn FnMut(u32) -> bool) -> Result<T, E>,
+    ) -> Result<Result<T, E>, CommandError> {
         let mut progress = Progress::new("verifying", u64::from(self.fronts));
         let verdict = check(&mut |at| progress.at(u64::from(at)));
         drop(progress);
@@ -199,30 +191,27 @@ impl Verify {
         &self,
         found: &Counterexample<N>,
         of: Option<(&AnyOperator, Scheme)>,
-        write_mesh: impl Fn(&Path, &Mesh<N>) -> Result<(), CommandError>,
     ) -> Result<ExitCode, CommandError> {
         let stem = self.model.file_stem().unwrap_or_default().to_string_lossy();
-        let mesh_path = self.counterexample.join(format!("{stem}-counterexample.obj"));
-        let log_path = self.counterexample.join(format!("{stem}-counterexample.txt"));
+        let path = |ending: &str| self.counterexample.join(format!("{stem}-counterexample.{ending}"));
+        let [mesh_path, log_path, test_path] = ["obj", "txt", "rs"].map(path);
         let hierarchy = of.map(|(operator, scheme)| format!("{operator}, {scheme}"));
-        write_mesh(&mesh_path, &found.mesh)?;
+        let topology = of.map_or(Topology::Kept, |(operator, _)| topology_of(operator));
+        let making = of.map_or(String::new(), |(_, scheme)| making(scheme));
+        files::write_bytes(&mesh_path, found.obj().as_bytes())?;
         files::write_bytes(&log_path, self.log(found, hierarchy.as_deref()).as_bytes())?;
+        files::write_bytes(&test_path, found.test(&stem, &making, &self.options(topology)).as_bytes())?;
         if self.json {
             print_json(&json!({
                 "holds": false, "law": found.breach.law, "what": found.breach.what, "node": found.breach.node,
-                "front": found.front.len(), "found_at": found.found_at, "seed": self.seed, "log": log_path,
+                "front": found.front.len(), "found_at": found.found.front, "seed": self.seed, "log": log_path,
+                "cells": found.mesh.cell_count(), "test": test_path,
                 "dependency": of.map(|(_, scheme)| scheme.name()),
             }));
         }
         let which = hierarchy.map_or(String::new(), |which| format!("{which}: "));
         eprintln!("error: {}: {which}{}", self.model.display(), found.breach);
-        eprintln!(
-            "the smallest front found has {} nodes (found at {}), its mesh {} cells; written to {}",
-            found.front.len(),
-            found.found_at,
-            found.mesh.cell_count(),
-            log_path.display()
-        );
+        eprintln!("made small: {}; written to {} (.obj the mesh, .rs a test)", found.sizes(), log_path.display());
         Ok(ExitCode::FAILURE)
     }
 
@@ -231,37 +220,23 @@ impl Verify {
         if let Some(hierarchy) = hierarchy {
             _ = writeln!(log, "hierarchy: {hierarchy}");
         }
-        _ = write!(log, "seed: {}\n{}\n", self.seed, found.breach);
-        _ = writeln!(log, "\nfront, finest first: {}", join(found.front.finest_first().map(|m| m.0)));
-        if let Some((m, patch)) = &found.patch {
-            _ = writeln!(log, "\nnode {m} replaces, when refined:");
-            patch.coarse.iter().for_each(|cell| _ = writeln!(log, "  - {}", join(cell.iter().map(|v| v.0))));
-            patch.fine.iter().for_each(|cell| _ = writeln!(log, "  + {}", join(cell.iter().map(|v| v.0))));
-        }
+        _ = write!(log, "seed: {}\n{}", self.seed, found.story());
         log
     }
+}
+
+/// The statement of Rust that makes a scheme for a replay.
+fn making(scheme: Scheme) -> String {
+    let made = match scheme {
+        Scheme::ImplicitIds => "operators::order::ImplicitIds".to_owned(),
+        Scheme::ImplicitIdsStored => "operators::order::StoredIds::new(&replay).unwrap()".to_owned(),
+        Scheme::DualPieceFree => "operators::order::DualPieceFree::new(&replay).unwrap()".to_owned(),
+        _ => format!("operators::order::Scheme::{scheme:?}.stored(&replay).unwrap().unwrap()"),
+    };
+    format!("let dependency = {made};")
 }
 
 /// What an operator may do to the topology of a mesh.
 fn topology_of(operator: &AnyOperator) -> Topology {
     if operator.coarsens_topology() { Topology::Coarsened } else { Topology::Kept }
-}
-
-/// Verifies a hierarchy, whatever its dependencies.
-struct Laws<'a>(&'a Verify, Topology);
-
-impl Visit for Laws<'_> {
-    type Output = Result<Verdict<3>, CommandError>;
-    fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Self::Output {
-        let options = self.0.options(self.1);
-        self.0.watch(|watch| verify::hierarchy(model, &options, watch))
-    }
-}
-
-fn join(numbers: impl Iterator<Item = u32>) -> String {
-    numbers.map(|n| n.to_string()).collect::<Vec<_>>().join(" ")
-}
-
-fn write_obj(path: &Path, mesh: &Mesh<3>) -> Result<(), CommandError> {
-    Ok(files::write_mesh(path, mesh)?)
 }

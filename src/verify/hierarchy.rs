@@ -3,72 +3,168 @@
 //! Static orders are held to every law; dynamic rules to those that do not speak of an order, on fronts that random
 //! steps reach.
 
-use super::{Counterexample, Options, Summary, Topology, held, minimality, shrink};
+use super::any::wander;
+use super::counterexample::{Case, Counterexample, Found};
+use super::reduce::{self, At};
+use super::{Options, Summary, Topology, held, minimality, shrink, ties};
 use mt_core::check::{self, Breach, Domain, Law, Random};
-use mt_core::hierarchy::{Dependency, VertexMesh};
+use mt_core::hierarchy::{Dependency, HierarchyError, VertexMesh};
 use mt_core::model::{MultiTessellation, Step, View, cells_of, mesh_of};
-use mt_core::{Front, Hierarchy, NodeId, Order, Rule};
+use mt_core::{Front, Hierarchy, Mesh, NodeId, Order, Replay, Rule};
+use operators::order::{Scheme, Visit};
 use selective::{Limits, State, adapt, approach};
+use std::sync::Arc;
 
 /// Checks every law that a hierarchy claims: those on the whole once, the others at each random front.
 ///
 /// `watch` hears how many fronts are done and answers whether to go on; a run that is cut short gives the summary so far.
+/// The counterexample is of the whole model, since nobody can tell how its dependencies come about: see [`scheme`] and
+/// [`super::order`].
 pub fn hierarchy<D: Dependency + Send>(
     model: &Hierarchy<D>,
     options: &Options,
     watch: &mut dyn FnMut(u32) -> bool,
 ) -> Result<Summary, Box<Counterexample<3>>> {
+    find(model, options, None, watch).map_err(|at| {
+        let found = found(&model.replay, &at);
+        let (front, breach) = simplest_front(model, options, at);
+        let mesh = mesh_at(model, &front);
+        Box::new(Counterexample { mesh, breach, found, case: Case::Whole, front, patch: None })
+    })
+}
+
+/// [`hierarchy`] under a scheme, and where a law is broken, the smallest part of the sequence under that scheme.
+pub fn scheme(
+    replay: &Arc<Replay>,
+    scheme: Scheme,
+    options: &Options,
+    watch: &mut dyn FnMut(u32) -> bool,
+) -> Result<Result<Summary, Box<Counterexample<3>>>, HierarchyError> {
+    let mut find = |replay: &Arc<Replay>, look: Look| scheme.visit(replay, look);
+    under(replay, options, watch, &mut find)
+}
+
+/// Looks at the hierarchy that `find` makes of a replay, and at those of its parts where a law is broken.
+pub(super) fn under(
+    replay: &Arc<Replay>,
+    options: &Options,
+    watch: &mut dyn FnMut(u32) -> bool,
+    find: &mut dyn FnMut(&Arc<Replay>, Look) -> Result<Seen, HierarchyError>,
+) -> Result<Result<Summary, Box<Counterexample<3>>>, HierarchyError> {
+    let at = match find(replay, Look { options: *options, first: None, last: None, watch })? {
+        Seen::Held(summary) => return Ok(Ok(summary)),
+        Seen::Broken(at) => *at,
+        Seen::Simple(_) => unreachable!("nothing was to be made simple"),
+    };
+    let found = found(replay, &at);
+    let mut quiet = |_| true;
+    let find = std::cell::RefCell::new(find);
+    let judge = |part: &Arc<Replay>, carried: &Front| {
+        let options = Options { fronts: reduce::fronts_to_try(part.len()), ..*options };
+        let look = Look { options, first: Some((carried, &at.case)), last: None, watch: &mut |_| true };
+        match (find.borrow_mut())(part, look) {
+            Ok(Seen::Broken(at)) => Some(*at),
+            _ => None,
+        }
+    };
+    let small = reduce::smallest(replay, &at, &judge, shrink::deadline());
+    let case = small.as_ref().map(|(part, _)| Case::Merges(Box::new(reduce::story_of(part))));
+    let (part, at) = small.unwrap_or_else(|| (Arc::clone(replay), at));
+    let look = Look { options: *options, first: None, last: Some(at), watch: &mut quiet };
+    let Seen::Simple(simple) = (find.borrow_mut())(&part, look)? else { unreachable!("a place was given") };
+    let (front, breach, mesh) = *simple;
+    Ok(Err(Box::new(Counterexample { mesh, breach, found, case: case.unwrap_or(Case::Whole), front, patch: None })))
+}
+
+/// A look at a hierarchy: for a broken law, at `first` before anywhere else; or where `last` is given, for the simplest
+/// front at which that is still so.
+pub(super) struct Look<'a> {
+    pub(super) options: Options,
+    pub(super) first: Option<(&'a Front, &'a Random)>,
+    pub(super) last: Option<At>,
+    pub(super) watch: &'a mut dyn FnMut(u32) -> bool,
+}
+
+/// What was seen.
+pub(super) enum Seen {
+    Held(Summary),
+    Broken(Box<At>),
+    /// The simplest front, what is wrong there, and its mesh.
+    Simple(Box<(Front, Breach, Mesh<3>)>),
+}
+
+impl Visit for Look<'_> {
+    type Output = Seen;
+    fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Seen {
+        if let Some(at) = self.last {
+            let (front, breach) = simplest_front(model, &self.options, at);
+            let mesh = mesh_at(model, &front);
+            return Seen::Simple(Box::new((front, breach, mesh)));
+        }
+        match find(model, &self.options, self.first, self.watch) {
+            Ok(summary) => Seen::Held(summary),
+            Err(at) => Seen::Broken(Box::new(at)),
+        }
+    }
+}
+
+fn found(replay: &Replay, at: &At) -> Found {
+    Found { breach: at.breach.clone(), nodes: replay.len(), cells: replay.cells().len(), front: at.front.len() }
+}
+
+/// Checks without making anything small; at the place `first` before any other.
+fn find<D: Dependency + Send>(
+    model: &Hierarchy<D>,
+    options: &Options,
+    first: Option<(&Front, &Random)>,
+    watch: &mut dyn FnMut(u32) -> bool,
+) -> Result<Summary, At> {
     let mut summary = Summary::new();
-    let laws = Laws::new(model, options.topology, &mut summary).map_err(|breach| {
-        let front = Front::base(model.len());
-        Box::new(counterexample(model, breach, front, 0))
-    })?;
     let mut random = Random::new(options.seed);
+    let laws = Laws::new(model, options, &mut summary).map_err(|breach| At {
+        front: Front::base(model.len()),
+        breach,
+        case: random.clone(),
+    })?;
     let mut state = State::new(model, ());
-    for done in 0..options.fronts {
+    for done in 0..options.fronts.max(u32::from(first.is_some())) {
         if !watch(done) {
             break;
         }
-        match D::RULE {
-            Rule::Static => _ = approach(model, &check::random_front(&laws.order, &mut random), &mut state),
-            Rule::Dynamic => wander(model, &mut state, &mut random),
+        let carried = first.filter(|_| done == 0);
+        match (D::RULE, carried) {
+            (_, Some((front, _))) => reach(model, front, &mut state),
+            (Rule::Static, None) => _ = approach(model, &check::random_front(&laws.order, &mut random), &mut state),
+            (Rule::Dynamic, None) => wander(model, &mut state, &mut random),
         }
         state.steps.clear();
-        let case = Random::new(random.bits());
+        let case = carried.map_or_else(|| Random::new(random.bits()), |(_, case)| case.clone());
         let front = state.view.front.clone();
-        if let Err(breach) = laws.at(&mut state.view, &mut case.clone(), &mut summary) {
-            let found_at = front.len();
-            let (front, breach) = match D::RULE {
-                Rule::Static => shrink::smallest(&laws.order, &front, breach, |smaller| laws.broken(smaller, &case)),
-                Rule::Dynamic => (front, breach),
-            };
-            return Err(Box::new(counterexample(model, breach, front, found_at)));
-        }
+        laws.at(&mut state.view, &mut case.clone(), &mut summary).map_err(|breach| At { front, breach, case })?;
     }
     Ok(summary)
 }
 
-/// Takes random legal steps, as many as few: forces nodes, and coarsens what lets itself be coarsened.
-fn wander<D: Dependency + Send>(model: &Hierarchy<D>, state: &mut State<3, Hierarchy<D>, ()>, random: &mut Random) {
-    if model.is_empty() {
+/// Goes to a front; under a dynamic rule by legal steps from the base mesh, which may lead to a larger one.
+fn reach<D: Dependency + Send>(model: &Hierarchy<D>, front: &Front, state: &mut State<3, Hierarchy<D>, ()>) {
+    if D::RULE == Rule::Static {
+        approach(model, front, state);
         return;
     }
-    let picks = f64::from(model.len()).powf(random.unit()) as u32 + 1;
-    let refine = random.below(2) == 0;
-    for _ in 0..picks {
-        let m = NodeId::new(random.below(model.len() as usize));
-        if refine != (random.below(8) == 0) {
-            state.force(model, m);
-        } else {
-            // A whole stretch of ranks, finest first: single nodes would hardly ever be free.
-            let end = m.0.saturating_add(64).min(model.len());
-            for node in (m.0..end).map(NodeId) {
-                if state.view.front.is_refined(node) {
-                    state.try_coarsen(model, node);
-                }
-            }
-        }
-    }
+    *state = State::new(model, ());
+    let finest_first: Vec<NodeId> = front.finest_first().collect();
+    finest_first.iter().rev().for_each(|&m| state.force(model, m));
+}
+
+/// The simplest front of the same model at which the same law is broken.
+fn simplest_front<D: Dependency + Send>(model: &Hierarchy<D>, options: &Options, at: At) -> (Front, Breach) {
+    let Ok(laws) = Laws::new(model, options, &mut Summary::new()) else { return (at.front, at.breach) };
+    let (front, breach) =
+        shrink::simplest(&laws.order, &at.front, at.breach.clone(), |simpler| laws.broken(simpler, &at.case));
+    let mut state = State::new(model, ());
+    reach(model, &front, &mut state);
+    // Under a dynamic rule that may be another front, or none at which the law is broken.
+    if laws.broken(&front, &at.case).is_some() { (state.view.front, breach) } else { (at.front, at.breach) }
 }
 
 struct Laws<'a, D> {
@@ -80,7 +176,7 @@ struct Laws<'a, D> {
 
 impl<'a, D: Dependency + Send> Laws<'a, D> {
     /// The laws on the model as a whole.
-    fn new(model: &'a Hierarchy<D>, topology: Topology, summary: &mut Summary) -> Result<Self, Breach> {
+    fn new(model: &'a Hierarchy<D>, options: &Options, summary: &mut Summary) -> Result<Self, Breach> {
         let replay = &model.replay;
         let order = check::order_of(model)?;
         held(summary, Law::Order);
@@ -92,12 +188,16 @@ impl<'a, D: Dependency + Send> Laws<'a, D> {
         held(summary, Law::Ends);
         // Pairs sew sheets together, so what their meshes are is for the quotient and the boundary's image to say.
         let mut domain = Domain { content: None, ..Domain::of_mesh(&reference) };
-        if let Some(&node) = replay.sewn().first().filter(|_| topology == Topology::Kept && domain.manifold) {
+        if let Some(&node) = replay.sewn().first().filter(|_| options.topology == Topology::Kept && domain.manifold) {
             let what = format!("node {node} sews sheets together or pinches them, which is said not to happen");
             return Err(Breach { law: Law::CrackFree, what, node: Some(node) });
         }
         if !replay.is_manifold() {
             (domain.manifold, domain.oriented) = (false, false);
+        }
+        if D::RULE == Rule::Static {
+            let checked = ties(model, &order, options.seed)?;
+            *summary.entry(Law::Minimality).or_default() += u64::from(checked);
         }
         Ok(Self { model, order, domain })
     }
@@ -182,22 +282,17 @@ impl<'a, D: Dependency + Send> Laws<'a, D> {
 
     fn broken(&self, front: &Front, case: &Random) -> Option<Breach> {
         let mut state = State::new(self.model, ());
-        approach(self.model, front, &mut state);
+        reach(self.model, front, &mut state);
         self.at(&mut state.view, &mut case.clone(), &mut Summary::new()).err()
     }
 }
 
 /// The mesh of a front that steps of refinement reach from the base mesh.
-fn counterexample<D: Dependency + Send>(
-    model: &Hierarchy<D>,
-    breach: Breach,
-    front: Front,
-    found_at: u32,
-) -> Counterexample<3> {
+fn mesh_at<D: Dependency + Send>(model: &Hierarchy<D>, front: &Front) -> Mesh<3> {
     let mut view = model.base_view();
-    let coarsest_first: Vec<NodeId> = front.finest_first().collect();
-    for &m in coarsest_first.iter().rev() {
+    let finest_first: Vec<NodeId> = front.finest_first().collect();
+    for &m in finest_first.iter().rev() {
         mt_core::model::take(model, Step::refine(m), &mut view, &mut ());
     }
-    Counterexample { mesh: mesh_of(model, &view.mesh), breach, front, found_at, patch: None }
+    mesh_of(model, &view.mesh)
 }

@@ -1,13 +1,13 @@
 //! Law 10: extract and adapt end in the least closure of the wish, for random criteria of every kind.
 
 use glam::Vec3;
-use mt_core::check::{Breach, Law, Random};
+use mt_core::check::{self, Breach, Law, Random};
 use mt_core::model::{MultiTessellation, View};
 use mt_core::{Bound, Camera, Front, NodeId, Order};
 use selective::{
     Criterion, Facing, FeaturePoints, Frustum, InRegion, InView, Limits, Measure, Moving, NormalChange, OnPath, Pace,
     Path, PointIndex, Reading, Region, ScreenError, Silhouette, State, Strategy, Transfer, UniformError, VisualError,
-    Wish, adapt, extract,
+    Wish, adapt, certify, extract,
 };
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -152,25 +152,88 @@ pub fn minimality<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
     ends_in_least(model, order, &on_path, on_path.criterion.name(), view, random)
 }
 
+/// Law 10 at ties: for an error everywhere that is that of some nodes, or a little below, extract and adapt refine the
+/// least closure of those above it, and all of them. Tries each distinct error of a small model, and about [`TIES`] drawn
+/// at random of a larger one; gives how many. O(nodes log nodes + tries × front).
+pub fn ties<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
+    model: &M,
+    order: &Order,
+    seed: u64,
+) -> Result<u32, Breach> {
+    let mut errors: Vec<f32> = (0..model.len()).map(|m| model.bound(NodeId(m)).error).collect();
+    errors.sort_by(f32::total_cmp);
+    errors.dedup();
+    let mut random = Random::new(seed);
+    let tries = match model.len() {
+        0..=SMALL => errors.len(),
+        _ => errors.len().min(TIES),
+    };
+    for i in 0..tries {
+        let at = if tries == errors.len() { i } else { random.below(errors.len()) };
+        for error_max in [errors[at], errors[at].next_down()] {
+            let criterion = UniformError { error_max };
+            let wish = least(model, order, &criterion);
+            let (mut state, _) = extract(model, &criterion, &Limits::NONE, Strategy::TopDown, ());
+            let extracted = *state.front() == wish;
+            // From the other side of the tie.
+            adapt(model, &UniformError { error_max: errors[at].next_up() }, &Limits::NONE, &mut state);
+            adapt(model, &criterion, &Limits::NONE, &mut state);
+            if !extracted || *state.front() != wish {
+                let what = format!(
+                    "at error {error_max:e}, which nodes have: {} refines {} nodes, the least closure has {}",
+                    if extracted { "adapt" } else { "extract" },
+                    state.front().len(),
+                    wish.len()
+                );
+                return Err(Breach { law: Law::Minimality, what, node: None });
+            }
+        }
+    }
+    Ok(2 * tries as u32)
+}
+
+/// Models up to this many nodes have all their ties tried.
+const SMALL: u32 = 128;
+/// How many distinct errors of a larger model are tried.
+const TIES: usize = 4;
+
+/// Whether a node is asked for: by itself, or by the last of its run where that decides for the run.
+fn asks<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
+    model: &M,
+    criterion: &impl Criterion<Bound>,
+    m: NodeId,
+) -> bool {
+    let last = model.bound(*model.run(m).end());
+    criterion.asks(&model.bound(m), false) || criterion.pace(&last) == Pace::Whole && criterion.asks(&last, false)
+}
+
+/// The engine's front has a certificate of minimality, and the checker that knows order and wish alone accepts it.
+fn certified<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
+    model: &M,
+    order: &Order,
+    criterion: &impl Criterion<Bound>,
+    front: &Front,
+) -> Result<(), Breach> {
+    let asked = |m: NodeId| asks(model, criterion, m);
+    check::is_least(order, &asked, &certify(order, &asked, front)?)
+}
+
 /// The least closed front that has all that is asked for: node by node, and nothing shared with the engine. A node is
 /// asked for by itself, or by the last of its run where that decides for the run.
-fn least<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
+pub(super) fn least<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
     model: &M,
     order: &Order,
     criterion: &impl Criterion<Bound>,
 ) -> Front {
-    let asked = |m: &NodeId| {
-        let last = model.bound(*model.run(*m).end());
-        criterion.asks(&model.bound(*m), false) || criterion.pace(&last) == Pace::Whole && criterion.asks(&last, false)
-    };
-    let mut front = Front::from_nodes(model.len(), (0..model.len()).map(NodeId).filter(asked));
+    let asked = (0..model.len()).map(NodeId).filter(|&m| asks(model, criterion, m));
+    let mut front = Front::from_nodes(model.len(), asked);
     order.close(&mut front);
     front
 }
 
 /// Law 10 from the front of `view`: adapt from there, extract by both strategies, and the least closure of the wish all
 /// give one front; under a budget, no front is too large and a second call changes nothing. O(front + closure).
-fn ends_in_least<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
+pub(super) fn ends_in_least<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
     model: &M,
     order: &Order,
     criterion: &impl Criterion<Bound>,
@@ -203,6 +266,7 @@ fn ends_in_least<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
         )));
     }
     closed(order, state.front())?;
+    certified(model, order, criterion, state.front())?;
     budget(model, order, criterion, state, random)
 }
 

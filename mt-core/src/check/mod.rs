@@ -4,6 +4,7 @@
 //! A checker says nothing or returns a [`Breach`]: the law, what is wrong, and the place. The slow oracles are here
 //! too; none of them shares code with what it judges.
 
+mod certificate;
 mod conformity;
 mod fronts;
 mod mesh;
@@ -13,6 +14,7 @@ mod quotient;
 mod steps;
 
 pub use crate::random::Random;
+pub use certificate::{Certificate, Witness, is_least};
 pub use conformity::{
     Content, Domain, Moved, cells, conformity, conformity_of_quotient, forest_saturation, plan, saturation,
 };
@@ -55,6 +57,8 @@ pub enum Law {
     Quotient,
     /// The dual pieces of the active vertices cover the input, are disjoint, and any two share one portion of boundary.
     Partition,
+    /// Code that somebody wrote comes to an end: it does not panic, names what is there, and tells a history that can be.
+    Conduct,
 }
 
 impl std::fmt::Display for Law {
@@ -73,6 +77,7 @@ impl std::fmt::Display for Law {
             Law::Saturation => "saturation",
             Law::Quotient => "quotient",
             Law::Partition => "partition",
+            Law::Conduct => "conduct",
         })
     }
 }

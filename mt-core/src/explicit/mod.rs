@@ -18,6 +18,7 @@
 //! | bounds | 24 |
 //! | discovery forest | 4 |
 
+mod part;
 mod parts;
 mod recorder;
 
