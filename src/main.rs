@@ -4,6 +4,7 @@ mod commands;
 mod files;
 mod progress;
 mod selection;
+mod subject;
 
 use clap::Parser;
 use std::process::ExitCode;

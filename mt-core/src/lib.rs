@@ -90,6 +90,7 @@ pub mod generate;
 pub mod hierarchy;
 pub mod history;
 pub mod id;
+pub mod log;
 pub mod mesh;
 pub mod model;
 pub mod order;

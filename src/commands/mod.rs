@@ -1,5 +1,6 @@
 //! The command line: one file per command.
 
+mod bisect;
 mod build;
 mod extract;
 mod history;
@@ -33,6 +34,8 @@ enum Command {
     Extract(extract::Extract),
     /// Check the laws of a model over random fronts
     Verify(verify::Verify),
+    /// Find the first step of a log or a camera path at which something goes wrong
+    Bisect(bisect::Bisect),
     /// Make a picture of an extracted mesh
     Render(render::Render),
     /// Build, extract along a camera path, measure and render; write a report
@@ -64,6 +67,7 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Info(command) => command.run(),
         Command::Extract(command) => command.run(),
         Command::Verify(command) => command.run(),
+        Command::Bisect(command) => command.run(),
         Command::Render(command) => command.run(),
         Command::Study(command) => command.run(),
     }

@@ -4,11 +4,11 @@
 use super::{CommandError, print_json, print_text};
 use crate::files::{self, FileError, Model};
 use crate::progress::{Clock, Progress, interrupted};
+use crate::subject;
 use clap::Args;
-use mt_core::analysis::{AnalysisError, Options, Stopped, Unfit};
+use mt_core::Explicit;
 use mt_core::container::Meta;
-use mt_core::format::{Format, LoadOptions};
-use mt_core::{Explicit, Mesh, Replay, Sequence};
+use mt_core::format::LoadOptions;
 use multi_tessellation::verify::{self, Counterexample, Summary, Topology};
 use operators::AnyOperator;
 use operators::order::{Scheme, UnknownScheme};
@@ -61,16 +61,12 @@ impl FromStr for Schemes {
 impl Verify {
     pub fn run(self) -> Result<ExitCode, CommandError> {
         files::check_folder(&self.counterexample)?;
-        let ending = self.model.extension().and_then(|e| e.to_str()).unwrap_or("");
-        if Format::from_extension(ending).is_some() {
+        if subject::is_mesh(&self.model) {
             return self.mesh();
         }
         let (model, meta) = files::load_model(&self.model)?;
         for (option, given) in [("--operator", self.operator.is_some()), ("--dependency", self.dependency.is_some())] {
-            if given {
-                let what = format!("is a model, made and ordered as it is; {option} is for meshes");
-                return Err(FileError::new(&self.model, what).into());
-            }
+            subject::refuse_for_models(&self.model, option, given)?;
         }
         match &model {
             Model::Triangles(model) => self.model(model, &meta),
@@ -107,9 +103,8 @@ impl Verify {
         if !self.json {
             eprint!("{load_report}");
         }
-        let operator = self.operator.clone().map_or_else(|| AnyOperator::from_str("edge-collapse"), Ok);
-        let operator = operator.map_err(|error| CommandError::Other(error.to_string()))?;
-        let replay = Arc::new(self.replay(&mesh, &operator)?);
+        let operator = subject::operator_or_usual(self.operator.as_ref())?;
+        let replay = Arc::new(subject::replay_of(&self.model, &mesh, &operator)?);
         let (schemes, is_one) = match self.dependency {
             Some(Schemes::One(scheme)) => (vec![scheme], true),
             Some(Schemes::All) | None => (Scheme::ALL.to_vec(), false),
@@ -147,24 +142,6 @@ impl Verify {
             }));
         }
         Ok(ExitCode::SUCCESS)
-    }
-
-    fn replay(&self, mesh: &Mesh<3>, operator: &AnyOperator) -> Result<Replay, CommandError> {
-        let wrong = |what: String| CommandError::File(FileError::new(&self.model, what));
-        let mut sequence = Sequence::new(mesh);
-        let mut progress = Progress::new("coarsening", mesh.cell_count() as u64);
-        let mut watch = |at: mt_core::analysis::Progress| progress.at((at.cells_in - at.cells) as u64);
-        let ended = operator.analyse(mesh, &Options::default(), &mut sequence, &mut watch).map_err(|error| {
-            let way_out = match error {
-                AnalysisError::Unfit(Unfit::NonManifold { .. }) => "; --operator vertex-pair takes the mesh as it is",
-                _ => "",
-            };
-            wrong(format!("{error}{way_out}"))
-        })?;
-        if ended.stopped == Stopped::Cancelled || interrupted() {
-            return Err(CommandError::Interrupted);
-        }
-        Replay::new(mesh, &operator.links(mesh), &sequence).map_err(|error| wrong(error.to_string()))
     }
 
     /// Runs a check that hears of Ctrl-C. Cut short, it has not seen what it would say holds.

@@ -95,7 +95,9 @@ fn mesh_at<const N: usize, M: MultiTessellation<N>>(model: &M, front: &Front) ->
     mesh_of(model, &view.mesh)
 }
 
-struct Laws<'a, const N: usize, M> {
+/// The laws of one model, to be judged at views of it.
+#[derive(Debug)]
+pub struct Laws<'a, const N: usize, M> {
     model: &'a M,
     order: Order,
     domain: Domain<N>,
@@ -105,7 +107,8 @@ struct Laws<'a, const N: usize, M> {
 }
 
 impl<'a, const N: usize, M: MultiTessellation<N, Bound = Bound>> Laws<'a, N, M> {
-    fn new(model: &'a M, options: &Options, summary: &mut Summary) -> Result<Self, Breach> {
+    /// The laws on the model as a whole, and what the others are judged by. O(model).
+    pub fn new(model: &'a M, options: &Options, summary: &mut Summary) -> Result<Self, Breach> {
         let order = check::order_of(model)?;
         held(summary, Law::Order);
         let reference = mesh_at(model, &Front::reference(model.len()));
@@ -128,7 +131,8 @@ impl<'a, const N: usize, M: MultiTessellation<N, Bound = Bound>> Laws<'a, N, M> 
         Ok(laws)
     }
 
-    fn is_a_mesh(&self, view: &View<M::Mesh>) -> Result<(), Breach> {
+    /// Law 3: the mesh of a view has no cracks, as far as that can be told without knowing how the model came about.
+    pub fn is_a_mesh(&self, view: &View<M::Mesh>) -> Result<(), Breach> {
         let cells: Vec<Cell<N>> = cells_of(self.model, &view.mesh).into_iter().map(|(_, corners)| corners).collect();
         let told = self.model.cell_count(&view.mesh) as usize;
         if told != cells.len() {
@@ -152,7 +156,7 @@ impl<'a, const N: usize, M: MultiTessellation<N, Bound = Bound>> Laws<'a, N, M> 
     }
 
     /// Every law at the front of `view`, which is left as it was.
-    fn at(&self, view: &mut View<M::Mesh>, random: &mut Random, summary: &mut Summary) -> Result<(), Breach> {
+    pub fn at(&self, view: &mut View<M::Mesh>, random: &mut Random, summary: &mut Summary) -> Result<(), Breach> {
         self.is_a_mesh(view)?;
         held(summary, Law::CrackFree);
         let steps = check::inverse(self.model, view, random, 16)?;

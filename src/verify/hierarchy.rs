@@ -49,7 +49,7 @@ pub(super) fn under(
     replay: &Arc<Replay>,
     options: &Options,
     watch: &mut dyn FnMut(u32) -> bool,
-    find: &mut dyn FnMut(&Arc<Replay>, Look) -> Result<Seen, HierarchyError>,
+    find: &mut Finder,
 ) -> Result<Result<Summary, Box<Counterexample<3>>>, HierarchyError> {
     let at = match find(replay, Look { options: *options, first: None, last: None, watch })? {
         Seen::Held(summary) => return Ok(Ok(summary)),
@@ -84,6 +84,9 @@ pub(super) struct Look<'a> {
     pub(super) last: Option<At>,
     pub(super) watch: &'a mut dyn FnMut(u32) -> bool,
 }
+
+/// Makes a hierarchy of a replay, and looks at it.
+pub(super) type Finder<'a> = dyn FnMut(&Arc<Replay>, Look) -> Result<Seen, HierarchyError> + 'a;
 
 /// What was seen.
 pub(super) enum Seen {

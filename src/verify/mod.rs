@@ -33,7 +33,7 @@ mod specimen;
 mod text;
 mod trial;
 
-pub use any::{model, models};
+pub use any::{Laws, model, models};
 pub use counterexample::{Case, Counterexample, Found};
 pub use explicit::{determinism, explicit};
 pub use hierarchy::{hierarchy, scheme};

@@ -159,7 +159,7 @@ fn look_at(
     name: &str,
     drawn: String,
     options: &Options,
-    find: &mut dyn FnMut(&Arc<Replay>, Look) -> Result<Seen, HierarchyError>,
+    find: &mut hierarchy::Finder,
 ) -> Result<Summary, Box<Finding>> {
     let verdict = trial::guarded("the order", || hierarchy::under(replay, options, &mut |_| true, find));
     let found = match verdict {

@@ -87,19 +87,20 @@ pub(super) fn alike(one: Law, other: Law) -> bool {
 
 /// The smallest part of `start` in which the same law is broken; `None` where no part has it.
 pub(super) fn smallest<S: Divisible>(start: &S, at: &At, judge: &Judge<S>, deadline: Instant) -> Option<(S, At)> {
-    let mut search = Search { start, found: None, at: at.clone(), judge, deadline };
+    let mut search = Search { start, found: None, at: at.clone(), judge, deadline, exact: true };
     if let Some(m) = at.breach.node.filter(|m| m.0 < size_of(start)) {
         search.alone(m);
     }
-    loop {
-        let before = search.size();
-        search.drop_nodes();
-        search.drop_cells();
-        if search.size() == before || Instant::now() >= deadline {
-            return search.found.map(|part| (part, search.at));
-        }
+    search.go_on();
+    if search.subject().cell_count() > FEW {
+        search.exact = false;
+        search.go_on();
     }
+    search.found.map(|part| (part, search.at))
 }
+
+/// A case of so many cells can be looked at. Above, a law that says much the same may take the place of the one broken.
+const FEW: usize = 48;
 
 fn size_of<S: Divisible>(subject: &S) -> u32 {
     subject.order().len()
@@ -112,6 +113,8 @@ struct Search<'a, S> {
     at: At,
     judge: &'a Judge<'a, S>,
     deadline: Instant,
+    /// Whether it has to be the same law.
+    exact: bool,
 }
 
 impl<S: Divisible> Search<'_, S> {
@@ -121,6 +124,18 @@ impl<S: Divisible> Search<'_, S> {
 
     fn size(&self) -> (u32, usize) {
         (size_of(self.subject()), self.subject().cell_count())
+    }
+
+    /// Drops nodes and cells as long as that gets somewhere.
+    fn go_on(&mut self) {
+        loop {
+            let before = self.size();
+            self.drop_nodes();
+            self.drop_cells();
+            if self.size() == before || Instant::now() >= self.deadline {
+                return;
+            }
+        }
     }
 
     /// Tries a part; keeps it if the same law is broken there.
@@ -134,7 +149,9 @@ impl<S: Divisible> Search<'_, S> {
         let mut carried = Front::from_nodes(nodes.len() as u32, refined.map(|(i, _)| NodeId::new(i)));
         // The part may order its nodes otherwise than the whole.
         subject.order().close(&mut carried);
-        match (self.judge)(&subject, &carried).filter(|at| alike(at.breach.law, self.at.breach.law)) {
+        let law = self.at.breach.law;
+        let same = |at: &At| at.breach.law == law || !self.exact && alike(at.breach.law, law);
+        match (self.judge)(&subject, &carried).filter(same) {
             Some(at) => {
                 (self.found, self.at) = (Some(subject), at);
                 true

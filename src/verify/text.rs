@@ -212,5 +212,5 @@ pub(super) fn story<const N: usize>(found: &Counterexample<N>) -> String {
 }
 
 fn front(front: &Front) -> String {
-    format!("\nthe front, refined nodes, finest first: {}\n", join(front.finest_first().map(|m| m.0)))
+    format!("\nfront, finest first: {}\n", join(front.finest_first().map(|m| m.0)))
 }

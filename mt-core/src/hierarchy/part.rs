@@ -44,7 +44,7 @@ impl Replay {
             .links()
             .iter()
             .map(|link| link.map(|leaf| above[leaf.index()]))
-            .filter(|link| is_proper(link))
+            .filter(is_proper)
             .map(|[a, b]| [a.min(b), a.max(b)])
             .collect();
         links.sort_unstable();
