@@ -1,5 +1,6 @@
 //! The command `mtess`.
 
+mod certificate;
 mod commands;
 mod files;
 mod progress;

@@ -1,12 +1,10 @@
 //! The options that say what to extract, shared by `extract` and `render`.
 
+use crate::certificate::Asked;
 use crate::files::{self, FileError};
 use clap::{Args, ValueEnum};
 use mt_core::{Camera, Explicit, MultiTessellation};
-use selective::{
-    ErrorBelow, Focus, InRegion, Limits, Outcome, Region, ScreenError, State, Strategy, UniformError, Wish, adapt,
-    extract, extract_exact,
-};
+use selective::{ErrorBelow, Focus, Limits, Outcome, Region, State, Strategy, adapt, extract, extract_exact};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -105,7 +103,8 @@ impl Selection {
         self.cells.is_some() && self.error.is_none() && self.camera.is_none() && self.time_ms.is_none()
     }
 
-    fn wish(&self, camera: Option<&Camera>) -> Result<Wish, SelectionError> {
+    /// What is asked for, apart from limits.
+    pub fn asked(&self, camera: Option<&Camera>) -> Result<Asked, SelectionError> {
         if self.error.is_some_and(|error| error.is_nan() || error < 0.0) {
             return Err(SelectionError::Number("error"));
         }
@@ -113,11 +112,11 @@ impl Selection {
             return Err(SelectionError::Number("pixels"));
         }
         match (camera, self.error, self.region) {
-            (Some(camera), ..) => Ok(Wish::Screen(Box::new(ScreenError::new(camera, self.pixels)))),
-            (_, Some(error_max), Some(region)) => Ok(Wish::Region(InRegion { region, error_max })),
-            (_, Some(error_max), None) => Ok(Wish::Uniform(UniformError { error_max })),
+            (Some(&camera), ..) => Ok(Asked::Screen { camera, error_px: self.pixels }),
+            (_, Some(error_max), Some(Region { low, high })) => Ok(Asked::Region { low, high, error_max }),
+            (_, Some(error_max), None) => Ok(Asked::Uniform { error_max }),
             // Below 0, so that what costs no error is asked for too.
-            _ if self.reference || self.cells.is_some() => Ok(Wish::Uniform(UniformError { error_max: -1.0 })),
+            _ if self.reference || self.cells.is_some() => Ok(Asked::Uniform { error_max: -1.0 }),
             _ => Err(SelectionError::Nothing),
         }
     }
@@ -128,7 +127,7 @@ impl Selection {
         model: &Explicit<3>,
         camera: Option<&Camera>,
     ) -> Result<(State<3, Explicit<3>, ()>, Outcome), SelectionError> {
-        let wish = self.wish(camera)?;
+        let wish = self.asked(camera)?.wish();
         let limits = Limits { cells: self.cells, time: self.time_ms.map(Duration::from_millis) };
         if let Some(per_cell) = self.per_cell {
             let focus = if per_cell == PerCell::Loose { Focus::Loose } else { Focus::Strict };

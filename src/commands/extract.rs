@@ -1,6 +1,7 @@
 //! `mtess extract`: a mesh for a criterion.
 
 use super::{CommandError, print_json, print_text};
+use crate::certificate;
 use crate::files;
 use crate::progress::Clock;
 use crate::selection::Selection;
@@ -20,6 +21,9 @@ pub struct Extract {
     /// Where to write the mesh: obj, ply, stl, off or glb
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
+    /// Write here why each modification is refined, as JSON: proof that no smaller front will do. `mtess verify` checks it
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["cells", "time_ms", "per_cell"])]
+    certificate: Option<PathBuf>,
     /// Tell the figures as JSON
     #[arg(long)]
     json: bool,
@@ -29,12 +33,18 @@ impl Extract {
     pub fn run(self) -> Result<ExitCode, CommandError> {
         files::mesh_format(&self.output)?;
         files::check_place(&self.output)?;
+        self.certificate.as_deref().map_or(Ok(()), files::check_place)?;
         let camera = self.selection.load_camera()?;
         let (model, _) = files::load_triangles(&self.model)?;
         let clock = Clock::start();
         let (state, outcome) = self.selection.run(&model, camera.as_ref())?;
         let seconds = clock.wall();
         let mesh = mesh_of(&model, &state.view.mesh);
+        if let Some(path) = &self.certificate {
+            let document = certificate::of_front(&model, self.selection.asked(camera.as_ref())?, state.front());
+            let document = document.map_err(|breach| CommandError::Other(format!("no certificate: {breach}")))?;
+            certificate::write(path, &document)?;
+        }
         files::write_mesh(&self.output, &mesh)?;
         let unrefined = (0..model.len()).map(NodeId).filter(|&m| !state.front().is_refined(m));
         let error = unrefined.map(|m| model.bound(m).error).fold(0.0, f32::max);

@@ -2,6 +2,7 @@
 //! counterexample where one is broken.
 
 use super::{CommandError, print_json, print_text};
+use crate::certificate;
 use crate::files::{self, FileError, Model};
 use crate::progress::{Clock, Progress, interrupted};
 use crate::subject;
@@ -39,6 +40,9 @@ pub struct Verify {
     /// Where to write a counterexample
     #[arg(long, value_name = "DIR", default_value = ".")]
     counterexample: PathBuf,
+    /// Check this certificate of an extraction from the model instead, by its order and what was asked for alone
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["operator", "dependency"])]
+    certificate: Option<PathBuf>,
     /// As JSON
     #[arg(long)]
     json: bool,
@@ -62,6 +66,9 @@ impl Verify {
     pub fn run(self) -> Result<ExitCode, CommandError> {
         files::check_folder(&self.counterexample)?;
         if subject::is_mesh(&self.model) {
+            if self.certificate.is_some() {
+                return Err(FileError::new(&self.model, "is a mesh; a certificate is of a model").into());
+            }
             return self.mesh();
         }
         let (model, meta) = files::load_model(&self.model)?;
@@ -69,6 +76,10 @@ impl Verify {
             subject::refuse_for_models(&self.model, option, given)?;
         }
         match &model {
+            Model::Triangles(model) if self.certificate.is_some() => self.certified(model),
+            Model::Tetrahedra(_) if self.certificate.is_some() => {
+                Err(FileError::new(&self.model, "is a model of tetrahedra; certificates are of triangles").into())
+            }
             Model::Triangles(model) => self.model(model, &meta),
             Model::Tetrahedra(model) => self.model(model, &meta),
         }
@@ -93,6 +104,19 @@ impl Verify {
             }));
         } else {
             print_text(&self.text("every law", &summary, clock.wall()));
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// Judges a certificate.
+    fn certified(&self, model: &Explicit<3>) -> Result<ExitCode, CommandError> {
+        let path = self.certificate.as_deref().unwrap_or(&self.model);
+        let nodes = certificate::check(path, model)?;
+        if self.json {
+            print_json(&json!({ "holds": true, "nodes": nodes }));
+        } else {
+            let file = path.display();
+            print_text(&format!("{file}: these {nodes} modifications are asked for or needed, and nothing else is"));
         }
         Ok(ExitCode::SUCCESS)
     }

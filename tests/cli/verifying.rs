@@ -176,3 +176,33 @@ fn a_model_without_modifications_is_a_model() {
     room.good("build one.obj -o again.mt --history one.jsonl");
     room.good("render one.mt --reference --size 32x32 --painter cpu -o one.png");
 }
+
+#[test]
+fn a_certificate_proves_a_front_the_least() {
+    let room = ball();
+    room.write_camera("camera.json", &crate::kit::ball_camera());
+    for asked in ["--error 0.01", "--camera camera.json --pixels 2", "--error 0 --region 0,0,0,2,2,2", "--reference"] {
+        room.good(&format!("extract ball.mt {asked} -o part.ply --certificate why.json"));
+        let told = room.good("verify ball.mt --certificate why.json");
+        assert!(told.out.contains("asked for or needed"), "{}", told.out);
+    }
+    room.good("extract ball.mt --error 0.01 -o part.ply --certificate why.json");
+    let why: serde_json::Value = serde_json::from_str(&room.text("why.json")).unwrap();
+    let nodes = room.good("verify ball.mt --certificate why.json --json").json()["nodes"].as_u64().unwrap() as usize;
+    assert!(nodes > 20 && why["entries"]["entries"].as_array().unwrap().len() == nodes);
+    // A node less, a reason that is none, another wish, another model: each proves nothing.
+    let altered = |alter: &dyn Fn(&mut serde_json::Value), says: &str| {
+        let mut other = why.clone();
+        alter(&mut other);
+        room.write("other.json", other.to_string());
+        room.refused("verify ball.mt --certificate other.json", says);
+    };
+    altered(&|v| _ = v["entries"]["entries"].as_array_mut().unwrap().pop(), "proves nothing");
+    altered(&|v| v["entries"]["entries"][0][1] = serde_json::json!({ "needed-by": 1 }), "proves nothing");
+    altered(&|v| v["entries"]["entries"][0][0] = serde_json::json!(1_000_000), "proves nothing");
+    altered(&|v| v["wish"]["uniform"]["error_max"] = serde_json::json!(0.001), "proves nothing");
+    altered(&|v| v["nodes"] = serde_json::json!(7), "7 modifications");
+    altered(&|v| v["certificate"] = serde_json::json!(2), "version 2");
+    room.refused("verify ball.ply --certificate why.json", "ball.ply");
+    assert_eq!(room.run("extract ball.mt --cells 90 -o part.ply --certificate why.json").code, Some(2));
+}

@@ -44,6 +44,8 @@ impl Certificate {
 /// Whether a certificate proves its front the least closed set of all that `asked` tells: each entry is asked for, or
 /// needed by an entry of smaller id; and nothing that is asked for or needed is missing. O(nodes + arcs of the front).
 pub fn is_least(order: &Order, asked: &dyn Fn(NodeId) -> bool, certificate: &Certificate) -> Result<(), Breach> {
+    let stray = certificate.entries.iter().map(|entry| entry.0).find(|m| m.0 >= order.len());
+    ensure!(stray.is_none(), Law::Minimality, None, "node {stray:?} is refined, but the order has no such node");
     let front = Front::from_nodes(order.len(), certificate.entries.iter().map(|entry| entry.0));
     for &(m, witness) in &certificate.entries {
         let proved = match witness {
@@ -94,6 +96,8 @@ mod tests {
         assert!(judge(&[(0, Asked), (1, one), (2, one), (3, two)]).is_err());
         assert!(judge(&[(0, Asked), (1, NeededBy(NodeId(1))), (3, two)]).is_err());
         assert!(judge(&[(0, Asked), (1, one), (3, NeededBy(NodeId(2)))]).is_err());
+        assert!(judge(&[(0, Asked), (1, one), (3, two), (9, Asked)]).is_err());
+        assert!(judge(&[(0, Asked), (1, one), (3, NeededBy(NodeId(9)))]).is_err());
         // What is asked for is missing; what is needed is.
         assert_eq!(judge(&[]).unwrap_err().law, Law::Minimality);
         assert_eq!(judge(&[(0, Asked), (1, one)]).unwrap_err().law, Law::Closure);
