@@ -6,7 +6,7 @@ use mt_core::hierarchy::Story;
 use mt_core::{Explicit, Front, Mesh, NodeId};
 
 /// A broken law with the smallest case found.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Counterexample<const N: usize> {
     /// The law, and what is wrong, in the ids of the case.
     pub breach: Breach,
@@ -42,6 +42,13 @@ impl<const N: usize> Counterexample<N> {
     /// for what is left of merges.
     pub fn test(&self, name: &str, dependency: &str, options: &Options) -> String {
         text::case_test(name, self, dependency, options)
+    }
+}
+
+/// The breach and how small it was made, since that is what `unwrap` shows; for the rest see [`Counterexample::story`].
+impl<const N: usize> std::fmt::Debug for Counterexample<N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} ({})", self.breach, self.sizes())
     }
 }
 

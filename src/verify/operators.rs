@@ -22,7 +22,11 @@ pub fn operator<const N: usize, O: Operator<N>>(operator: &O) -> Tally
 where
     Mesh<N>: Generated<N>,
 {
-    operator_in(&Trial::default(), operator).unwrap_or_else(|finding| panic!("{finding}"))
+    // Panics here, so that the message names the caller's line.
+    match operator_in(&Trial::default(), operator) {
+        Ok(tally) => tally,
+        Err(finding) => panic!("{finding}"),
+    }
 }
 
 /// [`operator`], as a trial says, with the finding as a value.

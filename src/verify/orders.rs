@@ -26,7 +26,11 @@ use std::sync::Arc;
 /// With a [`Finding`] where it is not so.
 #[track_caller]
 pub fn order<D: Dependency + Send>(name: &str, make: impl Fn(&Arc<Replay>) -> Result<D, HierarchyError>) -> Tally {
-    order_in(&Trial::default(), name, make).unwrap_or_else(|finding| panic!("{finding}"))
+    // Panics here, so that the message names the caller's line.
+    match order_in(&Trial::default(), name, make) {
+        Ok(tally) => tally,
+        Err(finding) => panic!("{finding}"),
+    }
 }
 
 /// [`order`], as a trial says, with the finding as a value.

@@ -24,7 +24,11 @@ use std::panic::Location;
 /// nothing was seen then.
 #[track_caller]
 pub fn criterion<C: Criterion<Bound>>(name: &str, draw: impl Fn(&Explicit<3>, &mut Random) -> C) -> Tally {
-    criterion_in(&Trial::default(), name, draw).unwrap_or_else(|finding| panic!("{finding}"))
+    // Panics here, so that the message names the caller's line.
+    match criterion_in(&Trial::default(), name, draw) {
+        Ok(tally) => tally,
+        Err(finding) => panic!("{finding}"),
+    }
 }
 
 /// [`criterion`], as a trial says, with the finding as a value.
@@ -94,7 +98,11 @@ fn monotone<C: Criterion<Bound>>(model: &Explicit<3>, criterion: &C) -> Result<u
 /// With a [`Finding`] where it is not so.
 #[track_caller]
 pub fn strategy(name: &str, adapt: impl Fn(&Explicit<3>, &Wish, &mut State<3, Explicit<3>, Mirror<3>>)) -> Tally {
-    strategy_in(&Trial::default(), name, adapt).unwrap_or_else(|finding| panic!("{finding}"))
+    // Panics here, so that the message names the caller's line.
+    match strategy_in(&Trial::default(), name, adapt) {
+        Ok(tally) => tally,
+        Err(finding) => panic!("{finding}"),
+    }
 }
 
 /// [`strategy`], as a trial says, with the finding as a value.

@@ -60,7 +60,7 @@ impl fmt::Display for Tally {
 }
 
 /// A law that is broken by what somebody wrote, with the smallest example and where it was written.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Finding {
     /// What is judged: the name that it gives itself, or its type.
     pub subject: String,
@@ -103,6 +103,13 @@ impl fmt::Display for Finding {
             write!(f, "{}", self.log)?;
         }
         write!(f, "To see it again:\n{}", self.test)
+    }
+}
+
+/// As it is displayed, since that is what `unwrap` shows.
+impl fmt::Debug for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

@@ -94,12 +94,10 @@ fn conformity_on<const N: usize>(model: &Explicit<N>, mut domain: Domain<N>) -> 
         }
     }
     let crowd = count.iter().filter(|(_, n)| domain.manifold && **n > 2).map(|(facet, n)| (names(facet), *n)).min();
-    ensure!(
-        crowd.is_none(),
-        Law::CrackFree,
-        None,
-        "the input is a manifold, but in the base mesh (facet, cells) are {crowd:?}"
-    );
+    if let Some((facet, cells)) = crowd {
+        let what = format!("facet {facet:?} of the base mesh has {cells} cells, but the input is a manifold");
+        return Err(Breach::new(Law::CrackFree, None, what));
+    }
     domain.base_boundary = count.iter().filter(|(_, n)| **n % 2 == 1).map(|(facet, _)| *facet).collect();
     for m in (0..model.len()).rev().map(NodeId) {
         let patch = model.patch(m);
