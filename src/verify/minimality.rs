@@ -153,7 +153,7 @@ pub fn minimality<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
 }
 
 /// Law 10 at ties: for an error everywhere that is that of some nodes, or a little below, extract and adapt refine the
-/// least closure of those above it, and all of them. Tries each distinct error of a small model, and about [`TIES`] drawn
+/// least closure of those above it, and all of them. Tries each distinct error of a small model, and about `TIES` drawn
 /// at random of a larger one; gives how many. O(nodes log nodes + tries × front).
 pub fn ties<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
     model: &M,
