@@ -1,5 +1,6 @@
 //! What the tests share: models of generated meshes, real files where there are any, and a tetrahedral operator.
 
+pub mod chew;
 mod shell;
 mod tetrahedral;
 

@@ -4,6 +4,7 @@ use super::mesh::VertexMesh;
 use super::patch::{PatchBound, Surroundings};
 use super::replay::{Born, Merge, Node, Replay, Runs, Span};
 use super::sequence::Sequence;
+use crate::bits::Bits;
 use crate::bound::{Bound, Cone};
 use crate::cell::{Cell, is_proper};
 use crate::id::{CellId, NodeId, VertexId};
@@ -101,7 +102,7 @@ impl Replay {
             merges,
             nodes: nodes.map(|(&child, &error)| Node { child, error, radius: 0.0, cone: Cone::EMPTY }).collect(),
             runs: runs(sequence),
-            kept: sequence.kept.clone(),
+            kept: kept(sequence),
             born: Born::Pairs(Vec::new()),
             born_links: Born::Pairs(Vec::new()),
             base_cells: Vec::new(),
@@ -272,6 +273,16 @@ fn spans(sequence: &Sequence, merged_at: &[NodeId]) -> (Vec<Merge>, Vec<u32>) {
     let made = (0..merges).map(|f| Merge { center: sequence.centers[f], span: span(leaves + f) }).collect();
     first.truncate(leaves);
     (made, first)
+}
+
+/// The merges that keep their centre, in no more memory than there are merges: a sequence that was heard has room to grow,
+/// one that was read has none, and their replays are one.
+fn kept(sequence: &Sequence) -> Bits {
+    let merges = sequence.merge_count();
+    let kept = || sequence.kept.iter().take_while(|&merge| merge < merges);
+    let mut exact = Bits::new(if kept().next().is_some() { merges } else { 0 });
+    kept().for_each(|merge| _ = exact.insert(merge));
+    exact
 }
 
 fn runs(sequence: &Sequence) -> Runs {

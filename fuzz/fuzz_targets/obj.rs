@@ -1,0 +1,5 @@
+//! Any bytes as `obj`: refused, or held together.
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| mt_tests::chew::by_name("obj")(bytes));
