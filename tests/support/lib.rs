@@ -1,14 +1,16 @@
-//! What the tests share: models of generated meshes, real files where there are any, and a tetrahedral operator.
+//! What the tests share: models of generated meshes, real files where there are any, a tetrahedral operator, and what
+//! models are by their definition.
 
 pub mod chew;
 mod shell;
 mod tetrahedral;
+pub mod truth;
 
 pub use shell::real_files;
 pub use tetrahedral::VertexIntoNeighbour;
 
 use mt_core::analysis::{Operator, Options, analyse, simplify};
-use mt_core::{Explicit, Mesh, Recorder, Replay, Sequence};
+use mt_core::{Cell, Explicit, Mesh, Recorder, Replay, Sequence};
 use operators::{AnyOperator, EdgeCollapse};
 use std::sync::Arc;
 
@@ -39,4 +41,35 @@ pub fn replay_of(mesh: &Mesh<3>, operator: &AnyOperator) -> Arc<Replay> {
     let mut sequence = Sequence::new(mesh);
     operator.analyse(mesh, &Options::default(), &mut sequence, &mut |_| true).expect("the operator takes the mesh");
     Arc::new(Replay::new(mesh, &operator.links(mesh), &sequence).expect("a sequence"))
+}
+
+/// An analysis, heard in both ways.
+#[derive(Clone, Debug)]
+pub struct History {
+    /// The input.
+    pub mesh: Mesh<3>,
+    /// The edges by which vertices are neighbours besides triangles.
+    pub links: Vec<Cell<2>>,
+    /// The merges.
+    pub sequence: Sequence,
+    /// The cells.
+    pub explicit: Explicit<3>,
+}
+
+impl History {
+    /// Coarsens `mesh`, if the operator takes it.
+    pub fn new(mesh: &Mesh<3>, operator: &AnyOperator, options: &Options) -> Option<Self> {
+        let mut listener = (Recorder::new(mesh).ok()?, Sequence::new(mesh));
+        operator.analyse(mesh, options, &mut listener, &mut |_| true).ok()?;
+        let explicit = listener.0.finish(options.error_kind).ok()?;
+        Some(Self { mesh: mesh.clone(), links: operator.links(mesh), sequence: listener.1, explicit })
+    }
+
+    /// The replay of the merges.
+    ///
+    /// # Panics
+    /// Where they are none, which analysis does not tell.
+    pub fn replay(&self) -> Arc<Replay> {
+        Arc::new(Replay::new(&self.mesh, &self.links, &self.sequence).expect("a sequence"))
+    }
 }
