@@ -1,18 +1,18 @@
 //! The tests that judge mutants, in one program, since that is built anew for each mutant (docs/mutants.md).
 
-#[path = "budgets.rs"]
+#[path = "../budgets.rs"]
 mod budgets;
-#[path = "container.rs"]
+#[path = "../container.rs"]
 mod container;
-#[path = "engine.rs"]
+#[path = "../engine.rs"]
 mod engine;
-#[path = "formats.rs"]
+#[path = "../formats.rs"]
 mod formats;
-#[path = "hierarchies.rs"]
+#[path = "../hierarchies.rs"]
 mod hierarchies;
-#[path = "histories.rs"]
+#[path = "../histories.rs"]
 mod histories;
-#[path = "laws.rs"]
+#[path = "../laws.rs"]
 mod laws;
-#[path = "paths.rs"]
+#[path = "../paths.rs"]
 mod paths;
