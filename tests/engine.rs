@@ -1,10 +1,9 @@
 //! The engine from outside: sinks, logs, interruption, budgets without known gains, two cameras on one model.
 
 use mt_core::check::Mirror;
-use mt_core::explicit::Alive;
-use mt_core::model::{MultiTessellation, View, cells_of};
-use mt_core::{Bound, Camera, Cell, CellId, Coarsen, Explicit, Front, NodeId, Rule, Sink, check, generate};
-use mt_tests::model_of;
+use mt_core::model::{MultiTessellation, cells_of};
+use mt_core::{Camera, Explicit, Front, NodeId, check, generate};
+use mt_tests::{Answering, Answers, model_of};
 use operators::EdgeCollapse;
 use selective::{Limits, ScreenError, State, Strategy, UniformError, adapt, extract};
 use std::time::Duration;
@@ -82,61 +81,18 @@ fn two_cameras_on_two_threads_share_one_model() {
 }
 
 /// A model that does not know in advance what refining wins.
-struct GainUnknown(Explicit<3>);
+struct GainUnknown;
 
-impl MultiTessellation<3> for GainUnknown {
-    type Mesh = Alive;
-    type Bound = Bound;
-    const RULE: Rule = Rule::Static;
-
-    fn len(&self) -> u32 {
-        self.0.len()
-    }
-    fn base(&self) -> Alive {
-        self.0.base()
-    }
-    fn cells(&self, mesh: &Alive, each: impl FnMut(CellId, Cell<3>)) {
-        self.0.cells(mesh, each);
-    }
-    fn cell_count(&self, mesh: &Alive) -> u32 {
-        self.0.cell_count(mesh)
-    }
-    fn positions(&self) -> &[glam::Vec3] {
-        self.0.positions()
-    }
-    fn roots(&self, out: &mut Vec<NodeId>) {
-        self.0.roots(out);
-    }
-    fn children(&self, m: NodeId, out: &mut Vec<NodeId>) {
-        self.0.children(m, out);
-    }
-    fn bound(&self, m: NodeId) -> Bound {
-        self.0.bound(m)
-    }
-    fn gain(&self, _: NodeId) -> Option<i32> {
+impl Answers for GainUnknown {
+    fn gain(&self, _: &Explicit<3>, _: NodeId) -> Option<i32> {
         None
-    }
-    fn needs(&self, m: NodeId, out: &mut Vec<NodeId>) {
-        self.0.needs(m, out);
-    }
-    fn prerequisites(&self, m: NodeId, view: &View<Alive>, out: &mut Vec<NodeId>) {
-        self.0.prerequisites(m, view, out);
-    }
-    fn obstacles(&self, m: NodeId, view: &View<Alive>, out: &mut Vec<NodeId>) -> Coarsen {
-        self.0.obstacles(m, view, out)
-    }
-    fn refine(&self, m: NodeId, mesh: &mut Alive, sink: &mut impl Sink<3>) {
-        self.0.refine(m, mesh, sink);
-    }
-    fn coarsen(&self, m: NodeId, mesh: &mut Alive, sink: &mut impl Sink<3>) {
-        self.0.coarsen(m, mesh, sink);
     }
 }
 
 #[test]
 fn a_budget_is_kept_by_counting_or_by_rolling_back_alike() {
     let known = model();
-    let unknown = GainUnknown(known.clone());
+    let unknown = Answering { model: known.clone(), answers: GainUnknown };
     for camera in cameras(&known, 6) {
         for cells in [4, 10, 101, 333, 2000] {
             let criterion = ScreenError::new(&camera, 0.0);

@@ -1,12 +1,11 @@
 //! One call judges what anybody writes: right operators, orders, models, criteria and strategies pass; wrong ones come back
 //! as examples of a few triangles, also from models of seventy thousand.
 
-use mt_core::analysis::{Draft, Operator, Unfit};
 use mt_core::check::Law;
 use mt_core::hierarchy::{Dependency, HierarchyError, VertexMesh};
 use mt_core::model::View;
-use mt_core::{Bound, Coarsen, Explicit, Mesh, NodeId, Plan, Refusal, Replay, Rule, VertexId, generate};
-use mt_tests::{VertexIntoNeighbour, model_of};
+use mt_core::{Bound, Coarsen, Explicit, Mesh, NodeId, Replay, Rule, generate};
+use mt_tests::{Careless, VertexIntoNeighbour, model_of};
 use multi_tessellation::verify::{self, Finding, Topology, Trial};
 use operators::order::{ImplicitIds, Stored};
 use operators::{EdgeCollapse, FanMerge, VertexPair};
@@ -76,91 +75,6 @@ fn found(finding: Result<verify::Tally, Box<Finding>>) -> Finding {
     assert_eq!(finding.files.len(), 3);
     assert!(finding.to_string().contains(&finding.test) && finding.test.contains("#[test]"), "{finding}");
     finding
-}
-
-/// Half-edge collapse of whatever is shortest, with one rule left out.
-#[derive(Copy, Clone, Debug, PartialEq)]
-enum Careless {
-    /// No link condition.
-    Link,
-    /// The plan forgets one of the cells that it should make, now and then.
-    Cell,
-    /// It panics at a vertex of four cells.
-    Panic,
-    /// It makes a cell with a vertex that is gone.
-    Gone,
-    /// It goes on for ever: makes what it kills.
-    Ever,
-}
-
-impl Operator<3> for Careless {
-    type Site = (VertexId, VertexId);
-    type Aux = ();
-
-    fn name(&self) -> &'static str {
-        "careless"
-    }
-    fn prepare(&self, draft: &Draft<3>, sites: &mut Vec<Self::Site>) -> Result<(), Unfit> {
-        let boundary = draft.complex.boundary();
-        if !boundary.is_empty() {
-            return Err(Unfit::Other("closed meshes only".into()));
-        }
-        sites.extend(draft.complex.cells().flat_map(|(_, cell)| (0..3).map(|i| (cell[i], cell[(i + 1) % 3]))));
-        Ok(())
-    }
-    fn price(&self, draft: &Draft<3>, (): &(), (u, v): Self::Site) -> Option<f64> {
-        let apart = draft.positions[u.index()].distance(draft.positions[v.index()]);
-        (draft.complex.edge_degree(u, v) > 0).then_some(f64::from(apart))
-    }
-    fn plan(&self, draft: &Draft<3>, (): &(), (u, v): Self::Site, plan: &mut Plan<3>) -> Result<(), Refusal> {
-        let mut dying = Vec::new();
-        for (slot, i) in draft.complex.star(u) {
-            let mut cell = *draft.complex.cell(slot);
-            if cell.contains(&v) {
-                dying.push(slot);
-            } else {
-                cell[i] = v;
-                plan.kills.push(slot);
-                plan.makes.push(cell);
-            }
-        }
-        let mut shared = Vec::new();
-        draft.complex.neighbours(u, &mut shared);
-        let mut of_v = Vec::new();
-        draft.complex.neighbours(v, &mut of_v);
-        shared.retain(|w| of_v.contains(w));
-        if dying.is_empty() {
-            return Err(Refusal::Stale);
-        }
-        if *self != Careless::Link && (shared.len() != 2 || draft.complex.cell_count() <= 4) {
-            return Err(Refusal::Link);
-        }
-        let odd = plan.makes.len() == 4;
-        match self {
-            Careless::Cell if odd => _ = plan.makes.pop(),
-            Careless::Panic if odd => panic!("a vertex of six cells"),
-            Careless::Gone if odd => plan.makes[0] = [u, plan.makes[0][1], plan.makes[0][2]],
-            Careless::Ever => {
-                plan.kills.truncate(1);
-                plan.makes = vec![*draft.complex.cell(plan.kills.first().copied().unwrap_or(dying[0]))];
-                if plan.kills.is_empty() {
-                    plan.kills.push(dying[0]);
-                }
-                return Ok(());
-            }
-            _ => {}
-        }
-        plan.kills.extend(dying);
-        plan.retired.push(u);
-        plan.kept = Some(v);
-        Ok(())
-    }
-    fn applied(&self, draft: &Draft<3>, (): &mut (), plan: &Plan<3>, again: &mut Vec<Self::Site>) {
-        let Some(v) = plan.kept.or(plan.makes.first().map(|cell| cell[0])) else { return };
-        let mut around = Vec::new();
-        draft.complex.neighbours(v, &mut around);
-        again.extend(around.into_iter().map(|u| (u, v)));
-    }
 }
 
 #[test]

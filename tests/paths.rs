@@ -4,8 +4,8 @@
 use mt_core::check::Random;
 use mt_core::explicit::Alive;
 use mt_core::model::{MultiTessellation, View};
-use mt_core::{Bound, Camera, Cell, CellId, Coarsen, Explicit, Front, NodeId, Rule, Sink, generate};
-use mt_tests::model_of;
+use mt_core::{Bound, Camera, Coarsen, Explicit, Front, NodeId, generate};
+use mt_tests::{Answering, Answers, model_of};
 use operators::EdgeCollapse;
 use selective::{
     Criterion, Facing, FeaturePoints, Hysteresis, InRegion, Limits, Measure, Moving, NormalChange, OnPath, Outcome,
@@ -16,88 +16,50 @@ use std::ops::RangeInclusive;
 
 /// A history of half-edge collapses cut into runs, each node of which needs the next: the shape of a fan hierarchy. What
 /// is discovered where stays as it was, so the nodes of a run hang under nodes outside of it, too.
-struct InRuns {
-    model: Explicit<3>,
-    /// The first and the last node of each node's run.
-    runs: Vec<(NodeId, NodeId)>,
+type InRuns = Answering<Runs>;
+
+/// The first and the last node of each node's run.
+struct Runs(Vec<(NodeId, NodeId)>);
+
+fn in_runs(model: Explicit<3>, random: &mut Random) -> InRuns {
+    let mut runs = Vec::new();
+    while runs.len() < model.len() as usize {
+        let first = runs.len();
+        let last = (first + random.below(6)).min(model.len() as usize - 1);
+        runs.resize(last + 1, (NodeId::new(first), NodeId::new(last)));
+    }
+    InRuns { model, answers: Runs(runs) }
 }
 
-impl InRuns {
-    fn new(model: Explicit<3>, random: &mut Random) -> Self {
-        let mut runs = Vec::new();
-        while runs.len() < model.len() as usize {
-            let first = runs.len();
-            let last = (first + random.below(6)).min(model.len() as usize - 1);
-            runs.resize(last + 1, (NodeId::new(first), NodeId::new(last)));
-        }
-        Self { model, runs }
-    }
-
+impl Runs {
     fn next(&self, m: NodeId) -> Option<NodeId> {
-        (m < self.runs[m.index()].1).then_some(NodeId(m.0 + 1))
+        (m < self.0[m.index()].1).then_some(NodeId(m.0 + 1))
     }
 
     fn all(&self) -> impl Iterator<Item = (NodeId, NodeId)> + '_ {
-        self.runs.iter().copied().enumerate().filter(|(i, run)| run.0.index() == *i).map(|(_, run)| run)
+        self.0.iter().copied().enumerate().filter(|(i, run)| run.0.index() == *i).map(|(_, run)| run)
     }
 }
 
-impl MultiTessellation<3> for InRuns {
-    type Mesh = Alive;
-    type Bound = Bound;
-    const RULE: Rule = Rule::Static;
-
-    fn len(&self) -> u32 {
-        self.model.len()
-    }
-    fn base(&self) -> Alive {
-        self.model.base()
-    }
-    fn cells(&self, mesh: &Alive, each: impl FnMut(CellId, Cell<3>)) {
-        self.model.cells(mesh, each);
-    }
-    fn cell_count(&self, mesh: &Alive) -> u32 {
-        self.model.cell_count(mesh)
-    }
-    fn positions(&self) -> &[glam::Vec3] {
-        self.model.positions()
-    }
-    fn roots(&self, out: &mut Vec<NodeId>) {
-        self.model.roots(out);
-    }
-    fn children(&self, m: NodeId, out: &mut Vec<NodeId>) {
-        self.model.children(m, out);
-    }
-    fn bound(&self, m: NodeId) -> Bound {
-        self.model.bound(m)
-    }
-    fn gain(&self, m: NodeId) -> Option<i32> {
-        self.model.gain(m)
-    }
-    fn needs(&self, m: NodeId, out: &mut Vec<NodeId>) {
-        self.model.needs(m, out);
+impl Answers for Runs {
+    fn needs(&self, model: &Explicit<3>, m: NodeId, out: &mut Vec<NodeId>) {
+        model.needs(m, out);
         out.extend(self.next(m));
     }
-    fn prerequisites(&self, m: NodeId, view: &View<Alive>, out: &mut Vec<NodeId>) {
-        self.model.prerequisites(m, view, out);
+    fn prerequisites(&self, model: &Explicit<3>, m: NodeId, view: &View<Alive>, out: &mut Vec<NodeId>) {
+        model.prerequisites(m, view, out);
         out.extend(self.next(m).filter(|&next| !view.front.is_refined(next)));
     }
-    fn obstacles(&self, m: NodeId, view: &View<Alive>, out: &mut Vec<NodeId>) -> Coarsen {
+    fn obstacles(&self, model: &Explicit<3>, m: NodeId, view: &View<Alive>, out: &mut Vec<NodeId>) -> Coarsen {
         let before = out.len();
-        self.model.obstacles(m, view, out);
-        let inner = m > self.runs[m.index()].0;
+        model.obstacles(m, view, out);
+        let inner = m > self.0[m.index()].0;
         out.extend(inner.then(|| NodeId(m.0 - 1)).filter(|&previous| view.front.is_refined(previous)));
         if out.len() == before { Coarsen::Now } else { Coarsen::After }
     }
     fn run(&self, m: NodeId) -> RangeInclusive<NodeId> {
-        let (first, last) = self.runs[m.index()];
+        let (first, last) = self.0[m.index()];
         first..=last
-    }
-    fn refine(&self, m: NodeId, mesh: &mut Alive, sink: &mut impl Sink<3>) {
-        self.model.refine(m, mesh, sink);
-    }
-    fn coarsen(&self, m: NodeId, mesh: &mut Alive, sink: &mut impl Sink<3>) {
-        self.model.coarsen(m, mesh, sink);
     }
 }
 
@@ -115,7 +77,7 @@ fn closure_by_hand(model: &InRuns, criterion: &impl Criterion<Bound>, before: &F
     let asks = |m: NodeId| criterion.asks(&model.bound(m), before.is_refined(m));
     let mut front = Front::base(model.len());
     for m in (0..model.len()).map(NodeId) {
-        let last = model.runs[m.index()].1;
+        let last = model.answers.0[m.index()].1;
         let whole = criterion.pace(&model.bound(last)) == Pace::Whole && asks(last);
         let mut open = if asks(m) || whole { vec![m] } else { vec![] };
         while let Some(m) = open.pop() {
@@ -130,7 +92,8 @@ fn closure_by_hand(model: &InRuns, criterion: &impl Criterion<Bound>, before: &F
 /// A closed front with runs that are refined in part: what a few random nodes need.
 fn random_front(model: &InRuns, random: &mut Random) -> Front {
     let mut front = Front::base(model.len());
-    let mut open: Vec<NodeId> = (0..random.below(40)).map(|_| NodeId::new(random.below(model.runs.len()))).collect();
+    let mut open: Vec<NodeId> =
+        (0..random.below(40)).map(|_| NodeId::new(random.below(model.answers.0.len()))).collect();
     while let Some(m) = open.pop() {
         if front.set(m, true) {
             model.needs(m, &mut open);
@@ -144,7 +107,7 @@ fn random_front(model: &InRuns, random: &mut Random) -> Front {
 fn runs_between(model: &InRuns, criterion: &impl Criterion<Bound>, one: &Front, other: &Front) -> (u32, u32) {
     let full = |front: &Front, run: (NodeId, NodeId)| (run.0.0..=run.1.0).all(|m| front.is_refined(NodeId(m)));
     let none = |front: &Front, run: (NodeId, NodeId)| (run.0.0..=run.1.0).all(|m| !front.is_refined(NodeId(m)));
-    let whole = model.all().filter(|&run| {
+    let whole = model.answers.all().filter(|&run| {
         run.0 < run.1
             && criterion.pace(&model.bound(run.1)) != Pace::Single
             && (full(one, run) && none(other, run) || none(one, run) && full(other, run))
@@ -167,7 +130,7 @@ fn every_way(model: &InRuns, criterion: &impl Criterion<Bound>, before: &Front) 
         assert_eq!(*state.front(), wanted, "{strategy:?}");
         assert_eq!(outcome.runs, runs_between(model, criterion, &Front::base(model.len()), &wanted).0);
         let asked = (0..model.len()).map(NodeId).filter(|&m| {
-            let last = model.bound(model.runs[m.index()].1);
+            let last = model.bound(model.answers.0[m.index()].1);
             criterion.asks(&model.bound(m), false)
                 || criterion.pace(&last) == Pace::Whole && criterion.asks(&last, false)
         });
@@ -190,7 +153,7 @@ fn every_way(model: &InRuns, criterion: &impl Criterion<Bound>, before: &Front) 
 fn every_path_ends_in_its_least_closure_from_wherever_it_comes() {
     let mut random = Random::new(7);
     let plain = model();
-    let model = InRuns::new(plain.clone(), &mut random);
+    let model = in_runs(plain.clone(), &mut random);
     let (mut between, mut runs) = (0, (0, 0));
     for i in 0..24 {
         let camera = camera(&plain, i as f32);
@@ -215,9 +178,9 @@ fn every_path_ends_in_its_least_closure_from_wherever_it_comes() {
 #[test]
 fn runs_in_a_region_are_completed() {
     let mut random = Random::new(1);
-    let model = InRuns::new(model(), &mut random);
+    let model = in_runs(model(), &mut random);
     for _ in 0..60 {
-        let mut node = || model.bound(NodeId::new(random.below(model.runs.len())));
+        let mut node = || model.bound(NodeId::new(random.below(model.answers.0.len())));
         let (at, error_max) = (node().center, node().error);
         let region = Region { low: at - 0.05, high: at + 0.05 };
         let criterion = OnPath { criterion: InRegion { region, error_max }, path: Path::Coarse };
@@ -229,12 +192,12 @@ fn runs_in_a_region_are_completed() {
 #[test]
 fn on_the_coarse_path_the_last_node_decides_for_its_run() {
     let mut random = Random::new(3);
-    let model = InRuns::new(model(), &mut random);
+    let model = in_runs(model(), &mut random);
     for _ in 0..10 {
-        let error_max = model.bound(NodeId::new(random.below(model.runs.len()))).error;
+        let error_max = model.bound(NodeId::new(random.below(model.answers.0.len()))).error;
         let criterion = OnPath { criterion: UniformError { error_max }, path: Path::Coarse };
         let (state, _) = extract(&model, &criterion, &Limits::NONE, Strategy::TopDown, ());
-        for (first, last) in model.all() {
+        for (first, last) in model.answers.all() {
             if criterion.asks(&model.bound(last), false) {
                 assert!(state.front().is_refined(first));
             }
@@ -246,7 +209,7 @@ fn on_the_coarse_path_the_last_node_decides_for_its_run() {
 fn budgets_hold_on_every_path_and_come_to_rest() {
     let mut random = Random::new(5);
     let plain = model();
-    let model = InRuns::new(plain.clone(), &mut random);
+    let model = in_runs(plain.clone(), &mut random);
     let camera = camera(&plain, 1.0);
     for path in paths(camera.eye) {
         let mut state = State::new(&model, ());
@@ -291,7 +254,7 @@ fn hysteresis_does_not_flicker_where_the_plain_criterion_does() {
 fn memory_ends_in_the_least_closure_of_what_it_remembers() {
     let mut random = Random::new(11);
     let plain = model();
-    let model = InRuns::new(plain.clone(), &mut random);
+    let model = in_runs(plain.clone(), &mut random);
     let mut kept = 0;
     for path in paths(camera(&plain, 0.0).eye) {
         let (mut state, mut wide) = (State::new(&model, ()), State::new(&model, ()));

@@ -26,15 +26,32 @@ pub fn model<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
     options: &Options,
     watch: &mut dyn FnMut(u32) -> bool,
 ) -> Result<Summary, Box<Counterexample<N>>> {
-    let mut summary = Summary::new();
-    let told = |front: Front, breach: Breach, found: Found| {
-        let mesh = mesh_at(model, &front);
-        Box::new(Counterexample { breach, found, case: Case::Whole, front, mesh, patch: None })
+    let gains: i64 = (0..model.len()).filter_map(|m| model.gain(NodeId(m))).map(i64::from).sum();
+    let base = model.base_view();
+    let cells = usize::try_from(i64::from(model.cell_count(&base.mesh)) + gains).unwrap_or(0);
+    let found = |breach: &Breach, front: u32| Found { breach: breach.clone(), nodes: model.len(), cells, front };
+    let (breach, found, front) = match trial::guarded("the model", || look(model, options, watch)) {
+        Ok(Ok(summary)) => return Ok(summary),
+        Ok(Err((at, simple))) => (simple.1, found(&at.1, at.0.len()), simple.0),
+        Err(breach) => (breach.clone(), found(&breach, 0), Front::base(model.len())),
     };
-    let found = |breach: &Breach, front: u32| Found { breach: breach.clone(), nodes: model.len(), cells: 0, front };
+    let mesh = trial::guarded("the model", || mesh_at(model, &front)).unwrap_or_default();
+    Err(Box::new(Counterexample { breach, found, case: Case::Whole, front, mesh, patch: None }))
+}
+
+/// A front, and what is wrong there.
+type Place = (Front, Breach);
+
+/// Checks; where something is wrong, the place where it was found, and the simplest.
+fn look<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
+    model: &M,
+    options: &Options,
+    watch: &mut dyn FnMut(u32) -> bool,
+) -> Result<Summary, (Place, Place)> {
+    let mut summary = Summary::new();
     let laws = Laws::new(model, options, &mut summary).map_err(|breach| {
-        let found = found(&breach, 0);
-        told(Front::base(model.len()), breach, found)
+        let whole = (Front::base(model.len()), breach);
+        (whole.clone(), whole)
     })?;
     let mut random = Random::new(options.seed);
     let mut state = State::new(model, ());
@@ -49,12 +66,12 @@ pub fn model<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
         state.steps.clear();
         let (front, case) = (state.view.front.clone(), Random::new(random.bits()));
         if let Err(breach) = laws.at(&mut state.view, &mut case.clone(), &mut summary) {
-            let found = found(&breach, front.len());
-            let (front, breach) = match M::RULE {
+            let at = (front.clone(), breach.clone());
+            let simple = match M::RULE {
                 Rule::Static => shrink::simplest(&laws.order, &front, breach, |simpler| laws.broken(simpler, &case)),
                 Rule::Dynamic => (front, breach),
             };
-            return Err(told(front, breach, found));
+            return Err((at, simple));
         }
     }
     Ok(summary)
@@ -111,6 +128,8 @@ impl<'a, const N: usize, M: MultiTessellation<N, Bound = Bound>> Laws<'a, N, M> 
     pub fn new(model: &'a M, options: &Options, summary: &mut Summary) -> Result<Self, Breach> {
         let order = check::order_of(model)?;
         held(summary, Law::Order);
+        check::forest_saturation(model)?;
+        held(summary, Law::Saturation);
         let reference = mesh_at(model, &Front::reference(model.len()));
         let kept = options.topology == Topology::Kept;
         let of_mesh = Domain::of_mesh(&reference);

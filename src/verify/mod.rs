@@ -32,6 +32,7 @@ mod shrink;
 mod specimen;
 mod text;
 mod trial;
+mod watched;
 
 pub use any::{Laws, model, models};
 pub use counterexample::{Case, Counterexample, Found};

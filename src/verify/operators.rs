@@ -2,6 +2,7 @@
 
 use super::specimen::{Generated, Spec, specimens};
 use super::trial::{self, Finding, Tally, Trial};
+use super::watched::Watched;
 use super::{Options, Topology, determinism, explicit, hierarchy, text};
 use super::{meshes, reduce};
 use mt_core::analysis::{self, AnalysisError, Operator, analyse, simplify};
@@ -145,7 +146,11 @@ fn analysed<const N: usize, O: Operator<N>>(
         looks <= most
     };
     let options = analysis::Options { unchecked: true, ..Default::default() };
-    let analysis = trial::guarded("the operator", || simplify(mesh, operator, &options, &mut watch))?;
+    let watched = Watched::new(operator);
+    let analysis = trial::guarded("the operator", || simplify(mesh, &watched, &options, &mut watch))?;
+    if let Some(price) = watched.odd_price() {
+        return Err(trial::breach(Law::Conduct, format!("a price is {price}; prices are not below 0")));
+    }
     if looks > most {
         return Err(trial::breach(Law::Conduct, format!("no end after {} sites", 256 * most)));
     }

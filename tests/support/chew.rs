@@ -66,7 +66,7 @@ fn walk<const N: usize>(model: &Explicit<N>) {
 }
 
 /// The bytes with every checksum that fits what they are: sections that the table has, and the head.
-fn resealed(bytes: &[u8]) -> Vec<u8> {
+pub fn resealed(bytes: &[u8]) -> Vec<u8> {
     const HEAD: usize = 24;
     const ENTRY: usize = 24;
     let mut bytes = bytes.to_vec();
@@ -146,7 +146,8 @@ pub fn sequence(bytes: &[u8]) {
     }
 }
 
-fn summed(bytes: &[u8]) -> Vec<u8> {
+/// The bytes of a sequence with the checksum that fits what they are.
+pub fn summed(bytes: &[u8]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     if let Some(end) = bytes.len().checked_sub(4) {
         let sum = crc32fast::hash(&bytes[..end]);

@@ -1,11 +1,16 @@
-//! What the tests share: models of generated meshes, real files where there are any, a tetrahedral operator, and what
-//! models are by their definition.
+//! What the tests share: models of generated meshes, real files where there are any, operators and models to plant faults
+//! in, what models are by their definition, what readers are held to, and a state machine.
 
+mod answers;
+mod careless;
 pub mod chew;
+pub mod machine;
 mod shell;
 mod tetrahedral;
 pub mod truth;
 
+pub use answers::{Answering, Answers};
+pub use careless::Careless;
 pub use shell::real_files;
 pub use tetrahedral::VertexIntoNeighbour;
 

@@ -197,11 +197,14 @@ pub fn saturation<const N: usize>(model: &Explicit<N>) -> Result<(), Breach> {
     forest_saturation(model)
 }
 
-/// Saturation along the discovery forest of any model with bounds. O(nodes).
+/// Saturation along the discovery forest of any model with bounds: errors are numbers, and the bound of each node contains
+/// those of the nodes discovered under it. O(nodes).
 pub fn forest_saturation<const N: usize, M: MultiTessellation<N, Bound = Bound>>(model: &M) -> Result<(), Breach> {
     let mut children = Vec::new();
     for m in (0..model.len()).map(NodeId) {
         let bound = model.bound(m);
+        let numbers = bound.error >= 0.0 && bound.radius >= 0.0 && bound.center.is_finite();
+        ensure!(numbers, Law::Saturation, m, "the bound of node {m} is none: {bound:?}");
         children.clear();
         model.children(m, &mut children);
         for &child in &children {

@@ -57,7 +57,8 @@ pub enum Law {
     Quotient,
     /// The dual pieces of the active vertices cover the input, are disjoint, and any two share one portion of boundary.
     Partition,
-    /// Code that somebody wrote comes to an end: it does not panic, names what is there, and tells a history that can be.
+    /// Code that somebody wrote comes to an end: it does not panic, names what is there, tells a history that can be, and
+    /// what it says of itself is so.
     Conduct,
 }
 

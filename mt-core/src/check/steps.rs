@@ -21,7 +21,8 @@ pub fn order_of<const N: usize, M: MultiTessellation<N>>(model: &M) -> Result<Or
     Order::from_needs(rows).map_err(|error| Breach::new(Law::Order, None, error.to_string()))
 }
 
-/// Law 4: `tries` legal steps from `view`, from random nodes, each undone; the view must be what it was, corners included.
+/// Law 4: `tries` legal steps from `view`, from random nodes, each undone; the view must be what it was, corners included,
+/// and in between the mesh has as many cells as the node says.
 /// Gives the number of steps taken, which is smaller only where a model has no node. O(tries × (chain + cells / 64)).
 pub fn inverse<const N: usize, M: MultiTessellation<N>>(
     model: &M,
@@ -31,16 +32,20 @@ pub fn inverse<const N: usize, M: MultiTessellation<N>>(
 ) -> Result<u32, Breach> {
     let before = cells_of(model, &view.mesh);
     let mesh = view.mesh.clone();
+    let count = i64::from(model.cell_count(&mesh));
     let mut scratch = Vec::new();
     let mut taken = 0;
     for _ in 0..tries {
         let Some(step) = legal_step(model, view, random, &mut scratch)? else { continue };
         let m = step.node;
         take(model, step, view, &mut ());
+        let won = if step.refined { 1 } else { -1 } * (i64::from(model.cell_count(&view.mesh)) - count);
         let back = is_legal(model, step.inverse(), view, &mut scratch);
         ensure!(back, Law::Inverse, m, "after {step:?} its inverse is not legal");
         take(model, step.inverse(), view, &mut ());
         ensure!(view.mesh == mesh, Law::Inverse, m, "{step:?} and its inverse leave another mesh");
+        let told = model.gain(m).is_none_or(|gain| i64::from(gain) == won);
+        ensure!(told, Law::Conduct, m, "refining node {m} wins {won} cells, it says {:?}", model.gain(m));
         taken += 1;
     }
     let same = cells_of(model, &view.mesh) == before;

@@ -14,8 +14,8 @@ impl<const N: usize> Explicit<N> {
     /// nodes are those in `high` and not in `low`, in their order. Of the cells that no such node kills only those are
     /// there that `keep` names, and vertices that nothing uses are left out.
     ///
-    /// Errors are the saturated ones; bounds and order are derived anew. Requires: both fronts closed, `low` within
-    /// `high`. O(model).
+    /// Nodes are discovered under the nodes that they are discovered under here, as far as these are there, and have the same
+    /// bounds, or larger ones where that is not so. Requires: both fronts closed, `low` within `high`. O(model).
     pub fn between(
         &self,
         low: &Front,
@@ -34,7 +34,7 @@ impl<const N: usize> Explicit<N> {
             view.mesh.iter().map(CellId).filter(|&cell| killed.contains(cell.0) || keep(cell)).collect();
         let (mesh, mut names) = self.mesh_of_cells(&input);
         let mut recorder = Recorder::new(&mesh)?;
-        for m in nodes {
+        for &m in &nodes {
             self.fine_side(m).iter().try_for_each(|cell| recorder.kill(names.cells[cell.index()]))?;
             for cell in self.coarse_side(m) {
                 let corners = names.corners(self, cell, |position| recorder.vertex(position))?;
@@ -42,7 +42,28 @@ impl<const N: usize> Explicit<N> {
             }
             recorder.end(self.bound(m).error)?;
         }
-        recorder.finish(self.error_kind())
+        let part = recorder.finish(self.error_kind())?;
+        Ok(self.bounded(part, &nodes))
+    }
+
+    /// A part with the bounds that its nodes have here, discovered under the nodes that they are discovered under here. One
+    /// whose parent is not in the part gets another, and the bounds above grow by what comes under them.
+    fn bounded(&self, part: Explicit<N>, nodes: &[NodeId]) -> Explicit<N> {
+        let named = |parent: NodeId| nodes.binary_search(&parent).ok().map(NodeId::new);
+        let mut parts = part.parts;
+        parts.bounds = nodes.iter().map(|&m| self.bound(m)).collect();
+        let mut grown = vec![false; nodes.len()];
+        for (i, &m) in nodes.iter().enumerate() {
+            let kept = self.parent(m).and_then(named);
+            let parent = kept.unwrap_or(parts.parents[i]);
+            parts.parents[i] = parent;
+            if !parent.is_none() && (kept.is_none() || grown[i]) {
+                let bound = parts.bounds[i];
+                parts.bounds[parent.index()].include(&bound);
+                grown[parent.index()] = true;
+            }
+        }
+        Explicit::from_parts(parts).expect("what was recorded, with other bounds")
     }
 
     /// These cells as a mesh, and what vertices and cells are called there. Ids keep their order.

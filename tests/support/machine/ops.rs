@@ -12,6 +12,7 @@ pub struct Op {
 }
 
 /// What may be done to a view.
+#[allow(missing_docs, reason = "what the numbers are is said of each act")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Act {
     /// Refine a node and all that it needs.

@@ -1,9 +1,9 @@
 //! What engines must reach, by definition: the least closed front of a wish, and under a budget the front found by
 //! priority from the base mesh.
 
+use crate::truth::{Needs, Set, Truth};
 use mt_core::model::MultiTessellation;
 use mt_core::{Bound, NodeId};
-use mt_tests::truth::{Needs, Set, Truth};
 use selective::{Criterion, Pace};
 
 /// Of a node that is asked for: how urgently, and which node is to be refined for it.

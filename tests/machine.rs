@@ -1,25 +1,9 @@
-//! A state machine: random operations on two views of a model, each followed by a comparison with what must be.
-//!
-//! The reference is `mt_tests::truth` (set algebra, the quotient, the orders by their definitions) and `expect` (closures,
-//! and the search under a budget). After every operation: the front is the reference's set, the mesh the reference's, the
-//! sink knows that mesh, cells are counted right, the log holds every step, each step of it was legal, its inverse leads
-//! back, and a front that was met before has the same mesh again. Dynamic rules claim less: what is asked for is refined
-//! by legal steps, and budgets hold.
-//!
-//! With PROPTEST_CASES larger it runs as long as one likes.
+//! The state machine on random models and random operations. With PROPTEST_CASES larger it runs as long as one likes.
 
-mod asking;
-mod cases;
-mod engine;
-mod expect;
-mod faults;
-mod ops;
-mod rig;
-
-use cases::{OPERATORS, on_cells, on_ids_as_one_ring, on_merges, on_tetrahedra, small_mesh};
-use engine::Engine;
+use mt_tests::machine::{
+    Engine, OPERATORS, Op, on_cells, on_ids_as_one_ring, on_merges, on_tetrahedra, ops, small_mesh,
+};
 use operators::order::Scheme;
-use ops::Op;
 use proptest::prelude::*;
 use proptest::test_runner::FileFailurePersistence;
 
@@ -38,33 +22,33 @@ proptest! {
     #![proptest_config(cases(512))]
 
     #[test]
-    fn explicit_models_do_as_they_must(seed in any::<u64>(), operator in 0..OPERATORS.len(), ops in ops::ops(40)) {
+    fn explicit_models_do_as_they_must(seed in any::<u64>(), operator in 0..OPERATORS.len(), ops in ops(40)) {
         let named = small_mesh(seed, CELLS_MAX);
         let played = on_cells(&named.mesh, OPERATORS[operator], Engine::default(), &ops);
         prop_assert_eq!(played, Ok(()), "{} {}", named.name, OPERATORS[operator]);
     }
 
     #[test]
-    fn tetrahedra_do_as_they_must(seed in 0u64..1000, ops in ops::ops(40)) {
+    fn tetrahedra_do_as_they_must(seed in 0u64..1000, ops in ops(40)) {
         prop_assert_eq!(on_tetrahedra(seed, Engine::default(), &ops), Ok(()));
     }
 
     #[test]
     fn hierarchies_under_static_orders_do_as_they_must(
-        seed in any::<u64>(), operator in 0..OPERATORS.len(), scheme in 0usize..5, ops in ops::ops(40),
+        seed in any::<u64>(), operator in 0..OPERATORS.len(), scheme in 0usize..5, ops in ops(40),
     ) {
         on_a_hierarchy(seed, OPERATORS[operator], Scheme::ALL[scheme], &ops)?;
     }
 
     #[test]
     fn hierarchies_under_dynamic_rules_do_as_they_must(
-        seed in any::<u64>(), operator in 0..OPERATORS.len(), scheme in 5usize..8, ops in ops::ops(40),
+        seed in any::<u64>(), operator in 0..OPERATORS.len(), scheme in 5usize..8, ops in ops(40),
     ) {
         on_a_hierarchy(seed, OPERATORS[operator], Scheme::ALL[scheme], &ops)?;
     }
 
     #[test]
-    fn ids_on_full_collapses_do_what_the_order_of_rings_does(seed in any::<u64>(), ops in ops::ops(40)) {
+    fn ids_on_full_collapses_do_what_the_order_of_rings_does(seed in any::<u64>(), ops in ops(40)) {
         let named = small_mesh(seed, CELLS_MAX);
         prop_assert_eq!(on_ids_as_one_ring(&named.mesh, Engine::default(), &ops), Ok(()), "{}", named.name);
     }

@@ -1,13 +1,13 @@
 //! Two views of one model, driven by operations and compared with what they must be after each of them.
 
-use crate::asking::{Asking, Scene};
-use crate::engine::{Ear, Engine, Seated};
-use crate::expect;
-use crate::ops::{Act, Op};
+use super::asking::{Asking, Scene};
+use super::engine::{Ear, Engine, Seated};
+use super::expect;
+use super::ops::{Act, Op};
+use crate::truth::{Set, Truth};
 use mt_core::model::{MultiTessellation, View, cells_of, take};
 use mt_core::random::Random;
 use mt_core::{Bound, Coarsen, Front, NodeId, Step};
-use mt_tests::truth::{Set, Truth};
 use selective::{Criterion, Hysteresis, Limits, OnPath, Outcome, State, Strategy, approach, extract};
 use std::collections::HashMap;
 

@@ -1,8 +1,10 @@
 //! The models on which the machine plays: explicit ones of every operator, and hierarchies under every scheme.
 
-use crate::engine::Engine;
-use crate::ops::Op;
-use crate::rig::{Kit, play};
+use super::engine::Engine;
+use super::ops::Op;
+use super::rig::{Kit, play};
+use crate::truth::{Cells, Merges, UnderScheme};
+use crate::{History, VertexIntoNeighbour};
 use glam::Vec3;
 use mt_core::analysis::{Options, simplify};
 use mt_core::container;
@@ -10,8 +12,6 @@ use mt_core::generate::{self, Named};
 use mt_core::hierarchy::Dependency;
 use mt_core::random::Random;
 use mt_core::{Explicit, Hierarchy, Mesh, MultiTessellation, Replay, Sequence};
-use mt_tests::truth::{Cells, Merges, UnderScheme};
-use mt_tests::{History, VertexIntoNeighbour};
 use operators::AnyOperator;
 use operators::order::{DualPieceFree, ImplicitIds, Scheme, StoredIds};
 use std::sync::Arc;
