@@ -40,6 +40,7 @@
 //! | [`model`] | the trait [`MultiTessellation`], which is all that engines see; views and steps |
 //! | [`bound`] | spheres, errors and cones of normals, saturated |
 //! | [`check`] | the laws as functions that anyone can call, and slow oracles |
+//! | [`guide`] | the laws, with drawings; how to write an operator; how to read a counterexample |
 //! | [`mod@format`], [`container`] | OBJ, OFF, PLY, STL and glTF over bytes; a model in one file |
 //! | [`generate`] | seeded meshes made from nothing |
 //! | [`camera`], [`bits`], [`random`] | a camera; sets of ids; randomness whose sequence never changes |
@@ -87,6 +88,7 @@ pub mod explicit;
 pub mod format;
 pub mod front;
 pub mod generate;
+pub mod guide;
 pub mod hierarchy;
 pub mod history;
 pub mod id;

@@ -6,7 +6,7 @@ use mt_core::model::View;
 use mt_core::{Coarsen, NodeId, Replay, Rule, generate};
 use mt_tests::replay_of;
 use multi_tessellation::verify;
-use operators::order::{DualPieceFree, ImplicitIds, Scheme, Stored, StoredIds};
+use operators::order::{DualPieceFree, ImplicitIds, Scheme, Stored};
 use std::sync::Arc;
 
 /// A scheme with some of its answers left out.
@@ -97,15 +97,6 @@ fn schemes() {
                 judge(replay, planted.then_some(Laxity::CoarsensAnywhere), |replay| {
                     DualPieceFree::new(replay).expect("a manifold")
                 })
-            }),
-            fault("ids are stored instead of compared afresh, as published", |planted| {
-                let options = verify::Options { fronts: 1000, seed: 5, ..verify::Options::default() };
-                if planted {
-                    verify::order_on(replay, "stored ids", |replay| StoredIds::new(replay), &options)?;
-                } else {
-                    verify::order_on(replay, "ids", |_| Ok(ImplicitIds), &options)?;
-                }
-                Ok(())
             }),
         ],
     );
