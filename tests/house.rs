@@ -304,7 +304,9 @@ fn imports_point_one_way() {
     let workspace = std::fs::read_to_string(root().join("Cargo.toml")).unwrap();
     let table: toml::Table = workspace.parse().unwrap();
     let members = table["workspace"]["members"].as_array().unwrap();
-    let members = members.iter().map(|member| member.as_str().unwrap()).filter(|&member| member != "tests");
+    // What judges the others may import all of them.
+    let judges = |member: &str| Path::new(member).starts_with("tests");
+    let members = members.iter().map(|member| member.as_str().unwrap()).filter(|&member| !judges(member));
     let mut breaches = Vec::new();
     for folder in members.chain(["."]) {
         let manifest = std::fs::read_to_string(root().join(folder).join("Cargo.toml")).unwrap();
