@@ -134,13 +134,18 @@ impl Cone {
     /// The cone of the normals of these vectors (twice the area of a triangle along its normal); zero ones count as
     /// all, since a triangle without area has no normal to speak of. Makes unit vectors of them.
     pub fn of_vectors(vectors: &mut [Vec3]) -> Self {
-        if vectors.is_empty() {
+        vectors.iter_mut().for_each(|v| *v = v.normalize_or_zero());
+        Self::of_normals(vectors)
+    }
+
+    /// The cone of these unit vectors; zero ones count as all.
+    pub fn of_normals(normals: &[Vec3]) -> Self {
+        if normals.is_empty() {
             return Self::EMPTY;
         }
-        vectors.iter_mut().for_each(|v| *v = v.normalize_or_zero());
-        let sum: Vec3 = vectors.iter().sum();
-        let Some(axis) = sum.try_normalize().filter(|_| !vectors.contains(&Vec3::ZERO)) else { return Self::ALL };
-        let least = vectors.iter().map(|v| v.dot(axis)).fold(1.0, f32::min);
+        let sum: Vec3 = normals.iter().sum();
+        let Some(axis) = sum.try_normalize().filter(|_| !normals.contains(&Vec3::ZERO)) else { return Self::ALL };
+        let least = normals.iter().map(|v| v.dot(axis)).fold(1.0, f32::min);
         Self::new(axis, least.clamp(-1.0, 1.0).acos())
     }
 
@@ -228,5 +233,14 @@ mod tests {
             let (grid, wider) = Cone::new(axis, angle).get().unwrap();
             prop_assert!(grid.angle_between(axis) + angle <= wider);
         }
+    }
+
+    #[test]
+    fn a_distance_is_to_the_sphere_and_rounded_towards_nothing() {
+        let bound = Bound { center: Vec3::new(1.0, 0.0, 0.0), radius: 2.0, error: 0.0, cone: Cone::EMPTY };
+        let far = bound.distance(Vec3::new(1.0, 10.0, 0.0));
+        assert!(far <= 8.0 && far > 7.999, "{far}");
+        assert_eq!(bound.distance(Vec3::new(1.0, 2.0, 0.0)), 0.0);
+        assert_eq!(bound.distance(Vec3::X), 0.0);
     }
 }

@@ -140,3 +140,106 @@ impl Camera {
         std::array::from_fn(corner)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera() -> Camera {
+        let text = r#"{ "eye": [0, 0, 4], "target": [0, 0, 0], "fov_y_degrees": 90, "near": 1, "far": 7, "width_px": 200, "height_px": 100 }"#;
+        serde_json::from_str(text).expect("a camera")
+    }
+
+    #[test]
+    fn what_is_not_said_has_usual_values() {
+        let camera: Camera = serde_json::from_str(r#"{ "eye": [0, 0, 4], "target": [0, 0, 0], "near": 1, "far": 7 }"#).unwrap();
+        assert_eq!((camera.up, camera.fov_y_degrees), (Vec3::Y, 45.0));
+        assert_eq!((camera.width_px, camera.height_px), (1024, 768));
+        assert_eq!(camera.check(), Ok(()));
+    }
+
+    #[test]
+    fn what_cannot_be_looked_through_is_refused() {
+        let with = |change: fn(&mut Camera)| {
+            let mut changed = camera();
+            change(&mut changed);
+            changed.check()
+        };
+        let not_finite: [fn(&mut Camera); 5] = [
+            |c| c.eye.x = f32::NAN,
+            |c| c.target.y = f32::INFINITY,
+            |c| c.up.z = f32::NAN,
+            |c| c.near = f32::NAN,
+            |c| c.far = f32::INFINITY,
+        ];
+        assert!(not_finite.into_iter().all(|change| with(change) == Err(CameraError::NotFinite)));
+        let directionless: [fn(&mut Camera); 3] = [|c| c.target = c.eye, |c| c.up = Vec3::Z, |c| c.up = Vec3::ZERO];
+        assert!(directionless.into_iter().all(|change| with(change) == Err(CameraError::NoDirection)));
+        let lens: [fn(&mut Camera); 9] = [
+            |c| c.fov_y_degrees = 0.0,
+            |c| c.fov_y_degrees = 180.0,
+            |c| c.near = 0.0,
+            |c| c.far = c.near,
+            |c| c.near = -1.0,
+            |c| c.width_px = 0,
+            |c| c.height_px = 0,
+            |c| c.width_px = 16_385,
+            |c| c.height_px = 16_385,
+        ];
+        assert!(lens.into_iter().all(|change| with(change) == Err(CameraError::Lens)));
+        let good: [fn(&mut Camera); 3] = [|c| c.width_px = 16_384, |c| c.height_px = 1, |c| c.fov_y_degrees = 179.0];
+        assert!(good.into_iter().all(|change| with(change) == Ok(())));
+    }
+
+    #[test]
+    fn a_lens_has_its_proportions() {
+        let camera = camera();
+        assert_eq!(camera.aspect(), 2.0);
+        assert_eq!(camera.direction(), -Vec3::Z);
+        // At a right angle half of the picture's height is as far as the picture.
+        assert!((camera.pixels_per_unit() - 50.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_camera_around_a_box_sees_it_whole() {
+        let (low, high) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(2.0, 6.0, 4.0));
+        for from in [Vec3::Y, -Vec3::Y, Vec3::new(1.0, 0.2, -3.0), Vec3::ZERO] {
+            let camera = Camera::around(low, high, from);
+            assert_eq!(camera.check(), Ok(()));
+            assert_eq!(camera.target, Vec3::new(1.5, 4.0, 3.5));
+            let towards = from.try_normalize().unwrap_or(Vec3::Z);
+            assert!(camera.direction().dot(towards) < -0.9999);
+            // Wide enough for the sphere around the box, and no wider.
+            let radius = (high - low).length() * 0.5;
+            assert!((camera.eye.distance(camera.target) * (22.5f32).to_radians().sin() - radius).abs() < 1e-4);
+            let planes = camera.frustum();
+            for i in 0..8 {
+                let at = |bit: usize, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
+                let corner = Vec3::new(at(0, low.x, high.x), at(1, low.y, high.y), at(2, low.z, high.z));
+                assert!(planes.iter().all(|plane| plane.dot(corner.extend(1.0)) >= -1e-4), "{corner} from {from}");
+            }
+        }
+    }
+
+    #[test]
+    fn planes_and_corners_are_of_one_frustum() {
+        let camera = camera();
+        let corners = camera.frustum_corners();
+        let near = [[-2.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-2.0, 1.0]];
+        for (i, corner) in corners.iter().enumerate() {
+            let depth = if i < 4 { 1.0 } else { 7.0 };
+            let [x, y] = near[i % 4].map(|side: f32| side * depth);
+            assert!(corner.distance(Vec3::new(x, y, 4.0 - depth)) < 1e-4, "corner {i} is {corner}");
+        }
+        // Left, right, bottom, top, near, far: each holds its own four corners, and the middle is inside.
+        let on = [[0, 3, 4, 7], [1, 2, 5, 6], [0, 1, 4, 5], [2, 3, 6, 7], [0, 1, 2, 3], [4, 5, 6, 7]];
+        for (plane, own) in camera.frustum().iter().zip(on) {
+            assert!((plane.truncate().length() - 1.0).abs() < 1e-5);
+            for (i, corner) in corners.iter().enumerate() {
+                let height = plane.dot(corner.extend(1.0));
+                assert!(if own.contains(&i) { height.abs() < 1e-3 } else { height > 0.5 }, "{plane} and corner {i}");
+            }
+            assert!(plane.dot(Vec4::new(0.0, 0.0, 0.0, 1.0)) > 0.5);
+        }
+    }
+}

@@ -97,4 +97,11 @@ mod tests {
         assert_ne!(canonical(&ids([1, 3, 2])), canonical(&ids([1, 2, 3])));
         assert_eq!(canonical(&ids([2, 1, 4, 3])), ids([1, 2, 3, 4]));
     }
+
+    #[test]
+    fn the_vertices_of_a_facet_are_all_but_the_place_of_the_last() {
+        let [a, b, c, d] = [4, 9, 2, 7].map(VertexId);
+        assert_eq!(facet(&[a, b, c], 1).0.vertices(), [c, a]);
+        assert_eq!(facet(&[a, b, c, d], 0).0.vertices(), [c, d, b]);
+    }
 }

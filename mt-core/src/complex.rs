@@ -345,3 +345,38 @@ impl<const N: usize> Iterator for Star<'_, N> {
         Some((slot, i))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cells(all: &[[u32; 3]]) -> Vec<Cell<3>> {
+        all.iter().map(|cell| cell.map(VertexId)).collect()
+    }
+
+    #[test]
+    fn a_link_is_what_is_opposite() {
+        let complex = Complex::new(4, &cells(&[[0, 1, 2], [0, 2, 3]]));
+        let link: Vec<Vec<u32>> =
+            complex.link(VertexId(0)).map(|facet| facet.vertices().iter().map(|v| v.0).collect()).collect();
+        assert_eq!(link.len(), 2);
+        assert!(link.contains(&vec![1, 2]) && link.contains(&vec![2, 3]));
+        assert_eq!(complex.boundary().len(), 4);
+    }
+
+    #[test]
+    fn cells_beyond_those_killed_take_free_slots_and_then_new_ones() {
+        let mut complex = Complex::new(6, &cells(&[[0, 1, 2], [0, 2, 3]]));
+        let mut slots = Vec::new();
+        let plan = |kills: &[u32], makes: &[[u32; 3]]| Plan { kills: kills.to_vec(), makes: cells(makes), ..Plan::default() };
+        complex.apply(&plan(&[0], &[[0, 1, 4], [1, 2, 4], [2, 0, 4]]), &mut slots);
+        assert_eq!((slots.as_slice(), complex.cell_count(), complex.slot_count()), ([0, 2, 3].as_slice(), 4, 4));
+        complex.apply(&plan(&[2, 3], &[]), &mut slots);
+        assert_eq!((slots.len(), complex.cell_count()), (0, 2));
+        complex.apply(&plan(&[1], &[[0, 2, 5], [2, 3, 5]]), &mut slots);
+        assert_eq!((slots.as_slice(), complex.slot_count()), ([1, 3].as_slice(), 4));
+        let star: Vec<u32> = complex.star(VertexId(5)).map(|(slot, _)| slot).collect();
+        assert!(star.len() == 2 && star.contains(&1) && star.contains(&3));
+        assert_eq!(complex.edge_degree(VertexId(2), VertexId(5)), 2);
+    }
+}

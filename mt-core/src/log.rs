@@ -264,4 +264,56 @@ mod tests {
             assert_eq!(bisect(0, last, |_| true), None);
         }
     }
+
+    /// A hexagon around a vertex becomes two quadrilaterals' worth of triangles, in two steps: 1 needs none, 0 needs 1.
+    fn chain() -> crate::Explicit<3> {
+        let mesh = crate::generate::strip(4);
+        let mut recorder = crate::Recorder::new(&mesh).unwrap();
+        let mut told = 0;
+        for (kills, makes) in [([0, 1], mesh.cells[2]), ([2, 4], mesh.cells[3])] {
+            kills.iter().for_each(|&cell| recorder.kill(crate::CellId(cell)).unwrap());
+            recorder.make(makes).unwrap();
+            recorder.end(told as f32).unwrap();
+            told += 1;
+        }
+        recorder.finish(Default::default()).unwrap()
+    }
+
+    #[test]
+    fn what_is_not_legal_is_not_followed() {
+        let model = chain();
+        assert_eq!(model.len(), 2);
+        let [up, down] = [0, 1].map(NodeId);
+        let told = |steps: &[Step]| {
+            let mut log = Log::new(2);
+            log.push(steps);
+            log.follow(&model).map_err(|error| error.to_string())
+        };
+        assert_eq!(told(&[Step::refine(down), Step::refine(up), Step::coarsen(up), Step::coarsen(down)]), Ok(()));
+        for (steps, says) in [
+            (vec![Step::refine(up)], "must go before it"),
+            (vec![Step::coarsen(up)], "coarse already"),
+            (vec![Step::refine(down), Step::refine(down)], "refined already"),
+            (vec![Step::refine(down), Step::refine(up), Step::coarsen(down)], "must go before it"),
+        ] {
+            let error = told(&steps).unwrap_err();
+            assert!(error.contains(says), "{steps:?}: {error}");
+        }
+        assert!(matches!(Log::new(3).follow(&model), Err(LogError::OtherModel { told: 3, found: 2 })));
+    }
+
+    #[test]
+    fn a_timeline_goes_where_it_is_told_and_says_so() {
+        let model = chain();
+        let steps = [Step::refine(NodeId(1)), Step::refine(NodeId(0)), Step::coarsen(NodeId(0))];
+        let mut timeline = Timeline::new(&model, &steps);
+        let fronts: [&[u32]; 4] = [&[], &[1], &[0, 1], &[1]];
+        for at in [1, 0, 2, 3, 1, 3, 0, 9] {
+            timeline.seek(at, &mut ());
+            let at = at.min(3);
+            assert_eq!(timeline.at(), at);
+            let front: Vec<u32> = timeline.view().front.finest_first().map(|m| m.0).collect();
+            assert_eq!(front, fronts[at], "after {at} steps");
+        }
+    }
 }

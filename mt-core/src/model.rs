@@ -183,3 +183,36 @@ pub fn mesh_of<const N: usize, M: MultiTessellation<N>>(model: &M, mesh: &M::Mes
     let cells = cells_of(model, mesh).into_iter().map(|(_, corners)| corners).collect();
     crate::Mesh { positions: model.positions().to_vec(), cells }.compact()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Default)]
+    struct Heard(Vec<(char, u32)>);
+
+    impl Sink<3> for Heard {
+        fn kill(&mut self, cell: CellId) {
+            self.0.push(('k', cell.0));
+        }
+        fn make(&mut self, cell: CellId, _: Cell<3>) {
+            self.0.push(('m', cell.0));
+        }
+        fn relabel(&mut self, cell: CellId, _: Cell<3>) {
+            self.0.push(('r', cell.0));
+        }
+    }
+
+    #[test]
+    fn a_borrowed_sink_hears_all() {
+        fn tell(mut sink: impl Sink<3>) {
+            let corners = [0, 1, 2].map(crate::VertexId);
+            sink.make(CellId(1), corners);
+            sink.relabel(CellId(2), corners);
+            sink.kill(CellId(3));
+        }
+        let mut heard = Heard::default();
+        tell(&mut heard);
+        assert_eq!(heard.0, [('m', 1), ('r', 2), ('k', 3)]);
+    }
+}

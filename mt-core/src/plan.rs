@@ -160,6 +160,11 @@ impl RefusalCounts {
         self.0[refusal as usize] += 1;
     }
 
+    /// Adds what somebody else has counted.
+    pub fn add_all(&mut self, other: &Self) {
+        self.0.iter_mut().zip(other.0).for_each(|(mine, theirs)| *mine += theirs);
+    }
+
     /// How often this reason was given.
     pub fn of(&self, refusal: Refusal) -> u64 {
         self.0[refusal as usize]
@@ -168,5 +173,29 @@ impl RefusalCounts {
     /// The reasons that were given, with their counts; stale sites are not refusals.
     pub fn iter(&self) -> impl Iterator<Item = (Refusal, u64)> + '_ {
         Refusal::ALL.into_iter().skip(1).map(|r| (r, self.of(r))).filter(|(_, count)| *count > 0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_patch_turned_over_differs_from_itself() {
+        let ids = |cell: [u32; 3]| cell.map(VertexId);
+        let patch = |fine: &[[u32; 3]], coarse: &[[u32; 3]]| {
+            let sides = [fine, coarse].map(|cells| cells.iter().map(|&cell| ids(cell)).collect::<Vec<_>>());
+            let [fine, coarse] = sides;
+            Patch { fine, coarse }.boundary_difference()
+        };
+        let square = [[0, 1, 2], [0, 2, 3]];
+        let none = (Vec::new(), Vec::new());
+        assert_eq!(patch(&square, &[[0, 1, 3], [1, 2, 3]]), none);
+        let turned = patch(&square, &[[0, 3, 1], [1, 3, 2]]);
+        assert_eq!((turned.0.len(), turned.1.len()), (4, 4));
+        // Where the fine side is of two minds, orientation says nothing.
+        assert_eq!(patch(&[[0, 1, 2], [0, 3, 2]], &[[0, 1, 3], [1, 2, 3]]), none);
+        // Three at an edge are a boundary there, whichever comes first.
+        assert_eq!(patch(&[[0, 1, 2], [3, 1, 0], [0, 1, 4]], &[[3, 1, 0], [0, 1, 4], [0, 1, 2]]), none);
     }
 }

@@ -40,3 +40,26 @@ pub(crate) fn scramble(x: u64) -> u64 {
     let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     x ^ (x >> 31)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_in_their_range_and_spread_over_it() {
+        let mut random = Random::new(3);
+        let between: Vec<f64> = (0..1000).map(|_| random.between(-2.0, 6.0)).collect();
+        assert!(between.iter().all(|x| (-2.0..6.0).contains(x)));
+        let mean = between.iter().sum::<f64>() / 1000.0;
+        assert!((mean - 2.0).abs() < 0.3, "{mean}");
+        assert!(between.iter().any(|&x| x < -1.5) && between.iter().any(|&x| x > 5.5));
+        assert!((0..100).all(|_| random.below(3) < 3) && random.below(0) == 0);
+    }
+
+    #[test]
+    fn a_seed_tells_the_same_story_for_ever() {
+        // The first numbers of SplitMix64, as published with it, for seed 1234567.
+        let mut random = Random::new(1_234_567);
+        assert_eq!([random.bits(), random.bits()], [6_457_827_717_110_365_317, 3_203_168_211_198_807_973]);
+    }
+}

@@ -4,7 +4,9 @@ use crate::edge_collapse::EdgeCollapse;
 use crate::fan_merge::FanMerge;
 use crate::metric::{AnyMetric, Metric, Quadrics};
 use crate::vertex_pair::VertexPair;
-use mt_core::analysis::{AnalysisError, Ended, Listener, Operator, Options, Progress, analyse};
+use mt_core::analysis::{
+    AnalysisError, Ended, Listener, Operator, Options, Progress, RegionListener, Regions, analyse, analyse_by_regions,
+};
 use mt_core::{Mesh, VertexId};
 use std::fmt::Debug;
 use std::str::FromStr;
@@ -62,6 +64,30 @@ impl AnyOperator {
         links.sort_unstable();
         links.dedup();
         links
+    }
+
+    /// Whether it can coarsen a mesh region by region: see [`Self::analyse_by_regions`].
+    pub fn works_by_regions(&self) -> bool {
+        matches!(self, Self::EdgeCollapse(_))
+    }
+
+    /// Coarsens `mesh` region by region, and tells `listener`: see [`mt_core::analysis::analyse_by_regions`]. An operator
+    /// that cannot [do that](Self::works_by_regions) coarsens it as a whole.
+    pub fn analyse_by_regions(
+        &self,
+        mesh: &Mesh<3>,
+        options: &Options,
+        regions: &Regions,
+        listener: &mut impl RegionListener<3>,
+        watch: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Ended, AnalysisError> {
+        match self {
+            Self::EdgeCollapse(collapse) if collapse.metric == AnyMetric::Quadric(Quadrics) => {
+                analyse_by_regions(mesh, &collapse.clone().with(Quadrics), options, regions, listener, watch)
+            }
+            Self::EdgeCollapse(collapse) => analyse_by_regions(mesh, collapse, options, regions, listener, watch),
+            _ => self.analyse(mesh, options, listener, watch),
+        }
     }
 
     /// Coarsens `mesh` and tells `listener`: see [`mt_core::analysis::analyse`].

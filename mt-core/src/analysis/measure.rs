@@ -122,3 +122,69 @@ pub(crate) fn distance_squared(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     }
     segment(a, b).min(segment(b, c)).min(segment(c, a))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::generate;
+    use crate::id::VertexId;
+    use crate::random::Random;
+
+    #[test]
+    fn a_point_is_as_far_as_the_nearest_of_many_points_of_the_triangle() {
+        let mut random = Random::new(11);
+        let mut point = || DVec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+        for _ in 0..200 {
+            let (p, [a, b, c]) = (point(), [point(), point(), point()]);
+            let exact = distance_squared(p, [a, b, c]).sqrt();
+            let mut near = f64::INFINITY;
+            for i in 0..=100 {
+                for k in 0..=100 - i {
+                    let (u, v) = (f64::from(i) / 100.0, f64::from(k) / 100.0);
+                    near = near.min(p.distance(a + (b - a) * u + (c - a) * v));
+                }
+            }
+            assert!(exact <= near + 1e-12 && near <= exact + 0.05, "{exact} and {near}");
+        }
+        // Without area, and without length.
+        assert_eq!(distance_squared(DVec3::Y * 2.0, [DVec3::ZERO, DVec3::X, DVec3::X * 3.0]), 4.0);
+        assert_eq!(distance_squared(DVec3::Y * 2.0, [DVec3::ZERO; 3]), 4.0);
+    }
+
+    #[test]
+    fn points_go_with_the_cells_that_are_nearest() {
+        // A fan of four around a raised vertex becomes two flat triangles; then these become one, which has lost a corner.
+        let mesh = Mesh::from_indices(
+            [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 0.5]].map(glam::Vec3::from).to_vec(),
+            &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
+        );
+        let mut draft = Draft::new(&mesh);
+        let mut measure = Measure::new(&mesh);
+        let ids = |cell: [u32; 3]| cell.map(VertexId);
+        let mut slots = Vec::new();
+        let first = Plan { kills: vec![0, 1, 2, 3], makes: vec![ids([0, 1, 2]), ids([0, 2, 3])], retired: vec![VertexId(4)], ..Plan::default() };
+        let error = measure.of_plan(&draft, &first);
+        assert!((0.5..0.500_001).contains(&error), "{error}");
+        draft.apply(&first, &mut slots);
+        measure.applied(&slots);
+        let second = Plan { kills: vec![0, 1], makes: vec![ids([0, 1, 2])], retired: vec![VertexId(3)], ..Plan::default() };
+        let error = measure.of_plan(&draft, &second);
+        assert!((2f32.sqrt()..2f32.sqrt() + 1e-6).contains(&error), "{error}");
+        draft.apply(&second, &mut slots);
+        measure.applied(&slots);
+        // What goes altogether is as wrong as it was large: the raised vertex is still answered for.
+        let third = Plan { kills: vec![0], ..Plan::<3>::default() };
+        let error = measure.of_plan(&draft, &third);
+        let extent = (4.0f32 + 4.0 + 0.25).sqrt();
+        assert!((extent..extent + 1e-6).contains(&error), "{error}");
+    }
+
+    #[test]
+    fn a_tetrahedron_lost_is_measured_by_its_extent() {
+        let mesh = generate::tetrahedron();
+        let mut measure = Measure::new(&mesh);
+        let gone = Plan { kills: vec![0, 1, 2, 3], ..Plan::default() };
+        assert!((f64::from(measure.of_plan(&Draft::new(&mesh), &gone)) - mesh.diagonal()).abs() < 1e-6);
+    }
+}

@@ -6,9 +6,11 @@
 mod listener;
 mod measure;
 mod queue;
+mod regions;
 mod simplify;
 
 pub use listener::Listener;
+pub use regions::{RegionListener, RegionOperator, Regions, analyse_by_regions};
 pub use simplify::{Analysis, AnalysisError, Ended, Options, Progress, Stopped, analyse, simplify};
 
 use crate::complex::Complex;

@@ -22,6 +22,7 @@ struct Bucket<S> {
 
 /// Bits of a price, as `f32`, that do not matter; the sign bit is never set.
 const LOWER_BITS: u32 = 20;
+/// One for each value of the bits that do.
 const BUCKETS: usize = 1 << (31 - LOWER_BITS);
 
 impl<S: Copy> Queue<S> {
@@ -38,8 +39,10 @@ impl<S: Copy> Queue<S> {
         self.lowest = self.lowest.min(b);
     }
 
-    pub(super) fn pop(&mut self) -> Option<S> {
-        loop {
+    /// The cheapest site, if its price is not above `most`, to within a bucket.
+    pub(super) fn pop_until(&mut self, most: f64) -> Option<S> {
+        let end = bucket_of(most) + 1;
+        while self.lowest < end {
             let bucket = self.buckets.get_mut(self.lowest)?;
             if let Some(&site) = bucket.sites.get(bucket.head) {
                 bucket.head += 1;
@@ -49,7 +52,24 @@ impl<S: Copy> Queue<S> {
             bucket.head = 0;
             self.lowest += 1;
         }
+        None
     }
+
+    /// How many sites wait in each bucket.
+    pub(super) fn counts(&self) -> Vec<usize> {
+        self.buckets.iter().map(|bucket| bucket.sites.len() - bucket.head).collect()
+    }
+}
+
+/// The price that half of the sites are not above, to within a bucket; 0 where there are none.
+pub(super) fn median(counts: &[usize]) -> f64 {
+    let half = counts.iter().sum::<usize>().div_ceil(2);
+    let mut below = 0;
+    let bucket = counts.iter().position(|count| {
+        below += count;
+        below >= half
+    });
+    f64::from(f32::from_bits((bucket.unwrap_or(0) as u32) << LOWER_BITS))
 }
 
 /// Buckets order as prices do. Prices below 0 count as 0, what is not a number as the highest.
@@ -76,14 +96,25 @@ mod tests {
             for (i, price) in later.into_iter().enumerate() {
                 kept.sort_unstable();
                 let least = (!kept.is_empty()).then(|| kept.remove(0).1);
-                prop_assert_eq!(queue.pop(), least);
+                prop_assert_eq!(queue.pop_until(f64::INFINITY), least);
                 queue.push(price, 1000 + i);
                 kept.push((bucket_of(price), 1000 + i));
             }
             kept.sort_unstable();
-            let rest: Vec<usize> = std::iter::from_fn(|| queue.pop()).collect();
+            let rest: Vec<usize> = std::iter::from_fn(|| queue.pop_until(f64::INFINITY)).collect();
             prop_assert_eq!(rest, kept.into_iter().map(|(_, i)| i).collect::<Vec<_>>());
         }
+    }
+
+    #[test]
+    fn half_of_the_sites_are_not_above_the_median() {
+        let queue = |prices: &[f64]| Queue::new(prices.iter().map(|&p| (p, ())));
+        assert_eq!(median(&queue(&[]).counts()), 0.0);
+        assert_eq!(median(&queue(&[0.0, 0.0, 5.0]).counts()), 0.0);
+        let middle = median(&queue(&[1.0, 2.0, 4.0, 1e9, 0.0]).counts());
+        assert!((1.77..=2.0).contains(&middle), "{middle}");
+        let mut some = queue(&[1.0, 2.0, 4.0]);
+        assert!(some.pop_until(1.5).is_some() && some.pop_until(1.5).is_none() && some.pop_until(4.0).is_some());
     }
 
     #[test]

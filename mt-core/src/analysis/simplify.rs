@@ -3,6 +3,8 @@
 use super::measure::Measure;
 use super::queue::Queue;
 use super::{Draft, Listener, Operator, Unfit};
+use super::regions::RegionOperator;
+use crate::bits::Bits;
 use crate::check;
 use crate::explicit::{ErrorKind, Explicit, HistoryError, Recorder};
 use crate::mesh::Mesh;
@@ -85,6 +87,12 @@ pub enum AnalysisError {
     /// Distances are measured to triangles only.
     #[error("errors are measured for triangles only, not for cells of {0} corners")]
     Measured(usize),
+    /// What is measured in one region may be nearest to another.
+    #[error("errors are not measured by regions; analyse the mesh as a whole")]
+    MeasuredByRegions,
+    /// There are no threads to be had.
+    #[error("no threads: {0}")]
+    Threads(String),
     /// The operator told a history that cannot be, which is a fault of the operator.
     #[error("the operator's modification cannot be recorded: {0}")]
     History(#[from] HistoryError),
@@ -114,18 +122,37 @@ pub fn analyse<const N: usize, O: Operator<N>>(
     listener: &mut (impl Listener<N> + ?Sized),
     watch: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Ended, AnalysisError> {
-    if options.error_kind == ErrorKind::Measured && N != 3 {
-        return Err(AnalysisError::Measured(N));
-    }
+    check_kind::<N>(options)?;
     let mut work = Work::new(mesh, operator, options)?;
-    let stopped = work.run(listener, watch)?;
+    let cells = options.until_cells.map(|cells| cells as usize);
+    let stopped = work.run(Until { price: f64::INFINITY, cells }, listener, watch)?;
     Ok(Ended { refusals: work.refusals, stopped })
+}
+
+pub(super) fn check_kind<const N: usize>(options: &Options) -> Result<(), AnalysisError> {
+    if options.error_kind == ErrorKind::Measured && N != 3 { Err(AnalysisError::Measured(N)) } else { Ok(()) }
+}
+
+/// How far to go.
+#[derive(Clone, Copy)]
+pub(super) struct Until {
+    /// No site above this price, to within an eighth.
+    pub(super) price: f64,
+    /// As few cells as this.
+    pub(super) cells: Option<usize>,
+}
+
+/// The vertices that may not be touched, and how to tell by a site.
+struct Frozen<S> {
+    vertices: Bits,
+    is_free: fn(S, &Bits) -> bool,
 }
 
 /// Who watches hears at least this often, if a turn takes no longer.
 const WATCH_AT_LEAST: Duration = Duration::from_millis(100);
 
-struct Work<'a, const N: usize, O: Operator<N>> {
+/// An analysis under way.
+pub(super) struct Work<'a, const N: usize, O: Operator<N>> {
     operator: &'a O,
     options: &'a Options,
     draft: Draft<N>,
@@ -133,6 +160,8 @@ struct Work<'a, const N: usize, O: Operator<N>> {
     queue: Queue<O::Site>,
     /// Refused sites, tried again when the queue is empty: what was in their way may be gone.
     parked: Vec<O::Site>,
+    /// Where only a region is worked on.
+    frozen: Option<Frozen<O::Site>>,
     refusals: RefusalCounts,
     measure: Option<Measure>,
     plan: Plan<N>,
@@ -145,25 +174,50 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
         let draft = Draft::new(mesh);
         let mut sites = Vec::new();
         let aux = operator.prepare(&draft, &mut sites)?;
+        let measure = (options.error_kind == ErrorKind::Measured).then(|| Measure::new(mesh));
+        Ok(Self { measure, ..Self::with(draft, operator, aux, sites, options) })
+    }
+
+    fn with(draft: Draft<N>, operator: &'a O, aux: O::Aux, sites: Vec<O::Site>, options: &'a Options) -> Self {
         let priced = sites.iter().filter_map(|&site| Some((operator.price(&draft, &aux, site)?, site)));
         let queue = Queue::new(priced);
-        Ok(Self {
+        Self {
             operator,
             options,
             aux,
             queue,
             parked: Vec::new(),
+            frozen: None,
             refusals: RefusalCounts::default(),
-            measure: (options.error_kind == ErrorKind::Measured).then(|| Measure::new(mesh)),
+            measure: None,
             draft,
             plan: Plan::default(),
             slots: Vec::new(),
             again: Vec::new(),
-        })
+        }
     }
 
-    fn run(
+    pub(super) fn draft(&self) -> &Draft<N> {
+        &self.draft
+    }
+
+    pub(super) fn aux(&self) -> &O::Aux {
+        &self.aux
+    }
+
+    pub(super) fn refusals(&self) -> RefusalCounts {
+        self.refusals
+    }
+
+    /// How many sites have each price, as [`super::queue::median`] takes it.
+    pub(super) fn price_counts(&self) -> Vec<usize> {
+        self.queue.counts()
+    }
+
+    /// Goes as far as told, and may be told to go further.
+    pub(super) fn run(
         &mut self,
+        until: Until,
         listener: &mut (impl Listener<N> + ?Sized),
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Stopped, AnalysisError> {
@@ -173,7 +227,7 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
         let mut told = Instant::now();
         for turn in 0u64.. {
             let cells = self.draft.complex.cell_count();
-            if self.options.until_cells.is_some_and(|wanted| cells <= wanted as usize) {
+            if until.cells.is_some_and(|wanted| cells <= wanted) {
                 return Ok(Stopped::Cells);
             }
             // Often enough to be stopped where a single turn is slow, as at hubs; seldom enough to cost nothing.
@@ -184,7 +238,7 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
                 }
                 told = Instant::now();
             }
-            let Some(site) = self.queue.pop() else {
+            let Some(site) = self.queue.pop_until(until.price) else {
                 if !applied_since_parking || self.parked.is_empty() {
                     break;
                 }
@@ -253,11 +307,26 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
         }
         self.again.clear();
         self.operator.applied(&self.draft, &mut self.aux, &self.plan, &mut self.again);
+        if let Some(Frozen { vertices, is_free }) = &self.frozen {
+            self.again.retain(|&site| is_free(site, vertices));
+        }
         for &site in &self.again {
             if let Some(price) = self.operator.price(&self.draft, &self.aux, site) {
                 self.queue.push(price, site);
             }
         }
         Ok(())
+    }
+}
+
+impl<'a, const N: usize, O: RegionOperator<N>> Work<'a, N, O> {
+    /// Work on a region, of which these vertices are frozen.
+    pub(super) fn in_region(draft: Draft<N>, operator: &'a O, aux: O::Aux, frozen: Bits, options: &'a Options) -> Self {
+        let mut sites = Vec::new();
+        operator.sites(&draft, &aux, &mut sites);
+        let is_free = |site, frozen: &Bits| O::is_free(site, frozen);
+        sites.retain(|&site| is_free(site, &frozen));
+        let frozen = Some(Frozen { vertices: frozen, is_free });
+        Self { frozen, ..Self::with(draft, operator, aux, sites, options) }
     }
 }

@@ -182,4 +182,12 @@ mod tests {
         assert_eq!(part.reference().cell_count(), whole.reference().cell_count() - (whole.base_cells().len() - 1));
         assert_eq!(cells_of(&part, &part.base()).len(), 1);
     }
+
+    #[test]
+    fn bytes_are_those_of_the_arrays() {
+        let model = ears(9);
+        let roots = (0..model.len()).map(NodeId).filter(|&m| model.parent(m).is_none()).count();
+        let own = 4 * (model.base_cells().len() + roots);
+        assert_eq!(model.bytes(), model.parts().bytes() + model.order().bytes() + own);
+    }
 }

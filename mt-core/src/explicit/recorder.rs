@@ -2,6 +2,7 @@
 
 use super::parts::derive_order;
 use super::{ErrorKind, Explicit, Invalid, Parts};
+use crate::analysis::RegionListener;
 use crate::bits::Bits;
 use crate::bound::{Bound, cone_of_cells};
 use crate::cell::{Cell, is_proper};
@@ -205,6 +206,43 @@ impl<const N: usize> Recorder<N> {
         Ok(Explicit::from_checked(parts, order)?)
     }
 
+    /// Appends all that was told of a part of the current mesh, whose vertices and cells are called so here; gives the
+    /// names of all vertices and cells of the part. O(part).
+    fn append_part(
+        &mut self,
+        part: Self,
+        vertices: &[VertexId],
+        cells: &[CellId],
+    ) -> Result<(Vec<VertexId>, Vec<CellId>), HistoryError> {
+        let named = |known: usize, own: usize, all: usize| (0..own - known).map(move |i| (all + i) as u32);
+        let (vertex_sum, cell_sum) = (self.positions.len() + part.positions.len(), self.corners.len() + part.corners.len());
+        if vertex_sum >= u32::MAX as usize || cell_sum >= u32::MAX as usize {
+            return Err(HistoryError::TooLarge);
+        }
+        if let Some(&dead) = cells.iter().find(|cell| !self.alive.contains(cell.0)) {
+            return Err(HistoryError::NotAlive(dead));
+        }
+        let mut vertex_names = vertices.to_vec();
+        vertex_names.extend(named(vertices.len(), part.positions.len(), self.positions.len()).map(VertexId));
+        let mut cell_names = cells.to_vec();
+        cell_names.extend(named(cells.len(), part.corners.len(), self.corners.len()).map(CellId));
+        let (fine, made) = (self.fine.len() as u32, self.corners.len() as u32);
+        self.positions.extend_from_slice(&part.positions[vertices.len()..]);
+        let corners = |cell: &Cell<N>| cell.map(|v| vertex_names[v.index()]);
+        self.corners.extend(part.corners[cells.len()..].iter().map(corners));
+        self.fine.extend(part.fine.iter().map(|cell| cell_names[cell.index()]));
+        self.fine_start.extend(part.fine_start[1..].iter().map(|start| fine + start));
+        self.coarse_start.extend(part.coarse_start[1..].iter().map(|start| made + (start - cells.len() as u32)));
+        self.errors.extend_from_slice(&part.errors);
+        self.grow_alive();
+        for (at, name) in cell_names.iter().enumerate() {
+            if !part.alive.contains(at as u32) {
+                self.alive.remove(name.0);
+            }
+        }
+        Ok((vertex_names, cell_names))
+    }
+
     fn grow_alive(&mut self) {
         // The set grows by doubling, so that telling it of new cells is O(1) each.
         let count = self.corners.len() as u32;
@@ -217,6 +255,21 @@ impl<const N: usize> Recorder<N> {
             self.alive.insert(cell);
         }
         self.settled = count;
+    }
+}
+
+impl<const N: usize> RegionListener<N> for Recorder<N> {
+    fn of_region(region: &Mesh<N>) -> Result<Self, HistoryError> {
+        Self::new(region)
+    }
+
+    fn append(
+        &mut self,
+        part: Self,
+        vertices: &[VertexId],
+        cells: &[CellId],
+    ) -> Result<(Vec<VertexId>, Vec<CellId>), HistoryError> {
+        self.append_part(part, vertices, cells)
     }
 }
 

@@ -182,3 +182,17 @@ fn finish(format: Format, mut soup: soup::Soup, options: &LoadOptions) -> Result
     };
     Ok((mesh, report))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_formats_but_one_are_written_and_all_are_known_by_their_endings() {
+        for format in Format::ALL {
+            assert_eq!(Format::from_extension(format.extension()), Some(format));
+            assert_eq!(format.is_writable(), format != Format::Gltf);
+        }
+        assert_eq!(Format::from_extension("mt"), None);
+    }
+}

@@ -121,14 +121,14 @@ impl Replay {
     /// Takes every merge in turn: what dies at a node is what it makes appear; what is around it bounds it.
     fn coarsen_all(&mut self) {
         let mut mesh = VertexMesh::of_input(self);
-        let mut patch = PatchBound::default();
+        let mut patch = PatchBound::new(self);
         let mut around = Surroundings::default();
         let used = |v: &VertexId| mesh.faces.has_star(*v);
         self.is_manifold = (0..self.leaf_count()).map(VertexId).filter(used).all(|v| around.is_umbrella(&mesh, v));
         let (mut starts, mut link_starts) = (vec![0], vec![0]);
         let (mut born, mut born_links) = (Vec::with_capacity(self.cells.len()), Vec::with_capacity(self.links.len()));
         for m in (0..self.len()).map(NodeId) {
-            let of_patch = patch.measure(self, &mesh, m);
+            let radius = patch.fine(self, &mesh, m);
             let shared = around.shared(&mesh, self.ends(m));
             mesh.join(
                 self,
@@ -145,9 +145,9 @@ impl Replay {
             if closes || !around.is_umbrella(&mesh, self.vertex(m)) {
                 self.sewn.push(m);
             }
-            let cone = patch.cone_after(self, &mesh, m).union(of_patch.1);
+            let cone = patch.coarse(self, &mesh, m);
             let node = &mut self.nodes[m.index()];
-            (node.radius, node.cone) = (of_patch.0, cone);
+            (node.radius, node.cone) = (radius, cone);
         }
         (self.born, self.born_links) = (Born::new(starts, born), Born::new(link_starts, born_links));
         self.base_cells = mesh.faces.cells().map(|(slot, corners)| (CellId(slot), *corners)).collect();

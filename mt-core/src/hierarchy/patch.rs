@@ -2,8 +2,10 @@
 
 use super::mesh::VertexMesh;
 use super::replay::Replay;
-use crate::bound::{Cone, cone_of_cells};
+use crate::bound::Cone;
+use crate::cell::Cell;
 use crate::id::{NodeId, VertexId};
+use crate::mesh::area_vector;
 use glam::Vec3;
 
 /// Looks around vertices, in buffers of its own.
@@ -14,8 +16,13 @@ pub(super) struct Surroundings {
     edges: Vec<[VertexId; 2]>,
     open: Vec<VertexId>,
     seen: Vec<bool>,
-    others: Vec<VertexId>,
+    /// Of each vertex: when it was last seen to be a neighbour.
+    marks: Vec<u32>,
+    mark: u32,
 }
+
+/// Links of so many edges are walked by searching through all of them; longer ones are sorted first.
+const SHORT: usize = 24;
 
 impl Surroundings {
     /// Whether the triangles around `v` form one fan, open or closed, whose link passes no vertex twice.
@@ -26,6 +33,9 @@ impl Surroundings {
             let cell = mesh.faces.cell(slot);
             [cell[(i + 1) % 3], cell[(i + 2) % 3]]
         }));
+        if self.is_short_cycle() {
+            return true;
+        }
         self.link.clear();
         self.link.extend(self.edges.iter().enumerate().flat_map(|(at, ends)| ends.map(|w| (w, at as u32))));
         self.link.sort_unstable();
@@ -61,47 +71,94 @@ impl Surroundings {
         count
     }
 
-    /// How many vertices share a triangle with each of two. O(stars log stars).
+    /// A quick yes: each edge of the link begins where just one other ends, and one walk takes in all of them.
+    fn is_short_cycle(&self) -> bool {
+        let edges = &self.edges;
+        if !(3..=SHORT).contains(&edges.len()) {
+            return false;
+        }
+        let [start, mut at] = edges[0];
+        let mut walked = 1;
+        while at != start && walked < edges.len() {
+            let mut from_here = edges.iter().filter(|edge| edge[0] == at);
+            let (Some(&[_, next]), None) = (from_here.next(), from_here.next()) else { return false };
+            at = next;
+            walked += 1;
+        }
+        at == start && walked == edges.len() && edges.iter().filter(|edge| edge[0] == start).count() == 1
+    }
+
+    /// How many vertices share a triangle with each of two. O(stars).
     pub(super) fn shared(&mut self, mesh: &VertexMesh, [a, b]: [VertexId; 2]) -> usize {
-        mesh.faces.neighbours(a, &mut self.open);
-        mesh.faces.neighbours(b, &mut self.others);
-        self.open.iter().filter(|w| self.others.binary_search(w).is_ok()).count()
+        self.marks.resize(mesh.faces.vertex_count(), 0);
+        // Marks only grow, so none has to be wiped, but once in four thousand million.
+        if self.mark >= u32::MAX - 2 {
+            self.marks.fill(0);
+            self.mark = 0;
+        }
+        let (near_a, near_both) = (self.mark + 1, self.mark + 2);
+        self.mark += 2;
+        let mut count = 0;
+        for (end, found, made) in [(a, None, near_a), (b, Some(near_a), near_both)] {
+            for (slot, i) in mesh.faces.star(end) {
+                let cell = mesh.faces.cell(slot);
+                for w in [cell[(i + 1) % 3], cell[(i + 2) % 3]] {
+                    let mark = &mut self.marks[w.index()];
+                    if found.is_none_or(|found| *mark == found) {
+                        count += usize::from(found.is_some());
+                        *mark = made;
+                    }
+                }
+            }
+        }
+        count
     }
 }
 
-/// Measures patches in buffers of its own.
-#[derive(Default)]
+/// Measures the patches of one replay, node after node. The normals of the current cells are kept: a cell is part of many
+/// fine sides before the next coarse side changes it.
 pub(super) struct PatchBound {
-    corners: Vec<[Vec3; 3]>,
-    vectors: Vec<Vec3>,
+    /// Unit normals of the current cells by slot; zero without area.
+    normals: Vec<Vec3>,
+    /// The normals of both sides of the current patch.
+    both: Vec<Vec3>,
 }
 
 impl PatchBound {
-    /// The radius about the vertex of `m` of the triangles around centre and child, and the cone of their normals.
-    pub(super) fn measure(&mut self, replay: &Replay, mesh: &VertexMesh, m: NodeId) -> (f32, Cone) {
-        let vertex = replay.vertex(m);
-        let [center, child] = replay.ends(m);
-        self.gather(replay, mesh, [center, child]);
-        let about = replay.positions[vertex.index()].as_dvec3();
-        let ends = [center, child].map(|v| replay.positions[v.index()]);
-        let points = self.corners.iter().flatten().chain(&ends);
-        let reach = points.map(|p| p.as_dvec3().distance_squared(about)).fold(0.0, f64::max).sqrt();
-        (((reach * (1.0 + 1e-14)) as f32).next_up(), cone_of_cells(&self.corners, &mut self.vectors))
+    /// The input's cells.
+    pub(super) fn new(replay: &Replay) -> Self {
+        let normals = replay.cells.iter().map(|cell| normal(replay, cell)).collect();
+        Self { normals, both: Vec::new() }
     }
 
-    pub(super) fn cone_after(&mut self, replay: &Replay, mesh: &VertexMesh, m: NodeId) -> Cone {
-        let vertex = replay.vertex(m);
-        self.gather(replay, mesh, [vertex, vertex]);
-        cone_of_cells(&self.corners, &mut self.vectors)
-    }
-
-    fn gather(&mut self, replay: &Replay, mesh: &VertexMesh, ends: [VertexId; 2]) {
-        self.corners.clear();
-        let distinct = if ends[0] == ends[1] { &ends[..1] } else { &ends[..] };
-        for &end in distinct {
-            for (slot, _) in mesh.faces.star(end) {
-                self.corners.push(mesh.faces.cell(slot).map(|v| replay.positions[v.index()]));
+    /// Looks at the triangles around centre and child of `m`, just before they become one: their radius about its vertex.
+    pub(super) fn fine(&mut self, replay: &Replay, mesh: &VertexMesh, m: NodeId) -> f32 {
+        let about = replay.positions[replay.vertex(m).index()].as_dvec3();
+        let reach_to = |v: VertexId| replay.positions[v.index()].as_dvec3().distance_squared(about);
+        self.both.clear();
+        let mut reach = 0.0;
+        for end in replay.ends(m) {
+            reach = f64::max(reach, reach_to(end));
+            for (slot, i) in mesh.faces.star(end) {
+                let cell = mesh.faces.cell(slot);
+                reach = reach.max(reach_to(cell[(i + 1) % 3])).max(reach_to(cell[(i + 2) % 3]));
+                self.both.push(self.normals[slot as usize]);
             }
         }
+        ((reach.sqrt() * (1.0 + 1e-14)) as f32).next_up()
     }
+
+    /// Looks at the triangles around the vertex of `m`, just after: the cone of their normals and of those before.
+    pub(super) fn coarse(&mut self, replay: &Replay, mesh: &VertexMesh, m: NodeId) -> Cone {
+        for (slot, _) in mesh.faces.star(replay.vertex(m)) {
+            let normal = normal(replay, mesh.faces.cell(slot));
+            self.normals[slot as usize] = normal;
+            self.both.push(normal);
+        }
+        Cone::of_normals(&self.both)
+    }
+}
+
+fn normal(replay: &Replay, cell: &Cell<3>) -> Vec3 {
+    area_vector(cell.map(|v| replay.positions[v.index()].as_dvec3())).as_vec3().normalize_or_zero()
 }

@@ -1,10 +1,10 @@
 //! A sequence of merges of vertices, as analysis tells it: all that a vertex hierarchy is made of.
 
-use crate::analysis::{Draft, Listener};
+use crate::analysis::{Draft, Listener, RegionListener};
 use crate::bits::Bits;
 use crate::complex::Slot;
 use crate::explicit::HistoryError;
-use crate::id::VertexId;
+use crate::id::{CellId, VertexId};
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use glam::Vec3;
@@ -119,5 +119,38 @@ impl Listener<3> for Sequence {
 
     fn applied(&mut self, _: &mut Draft<3>, _: &Plan<3>, _: &[Slot]) -> Result<(), HistoryError> {
         Ok(())
+    }
+}
+
+impl RegionListener<3> for Sequence {
+    fn of_region(region: &Mesh<3>) -> Result<Self, HistoryError> {
+        Ok(Self::new(region))
+    }
+
+    fn append(
+        &mut self,
+        part: Self,
+        vertices: &[VertexId],
+        cells: &[CellId],
+    ) -> Result<(Vec<VertexId>, Vec<CellId>), HistoryError> {
+        let (merges, nodes) = (self.merge_count(), self.node_count());
+        if u64::from(self.input_vertex_count) + u64::from(merges) + u64::from(part.merge_count()) >= u64::from(u32::MAX) {
+            return Err(HistoryError::TooLarge);
+        }
+        let made = self.input_vertex_count + merges;
+        let name = |v: &VertexId| match vertices.get(v.index()) {
+            Some(&known) => known,
+            None => VertexId(made + (v.0 - part.input_vertex_count)),
+        };
+        self.centers.extend(part.centers.iter().map(name));
+        self.children.extend(part.children.iter().map(name));
+        self.positions.extend_from_slice(&part.positions);
+        self.errors.extend_from_slice(&part.errors);
+        self.starts.extend(part.starts[1..].iter().map(|start| nodes + start));
+        part.kept.iter().take_while(|&merge| merge < part.merge_count()).for_each(|merge| self.mark_kept(merges + merge));
+        // Where nothing was merged nobody was named.
+        let names = if part.names.is_empty() { vertices.to_vec() } else { part.names.iter().map(name).collect() };
+        // Merges move the corners of cells; each stays what it was.
+        Ok((names, cells.to_vec()))
     }
 }

@@ -254,4 +254,10 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn an_order_is_empty_that_has_no_node() {
+        assert!(order(&[]).is_empty());
+        assert!(!diamond().is_empty());
+    }
 }

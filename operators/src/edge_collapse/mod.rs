@@ -8,8 +8,11 @@
 
 pub(crate) mod legal;
 pub(crate) mod manifold;
+mod regions;
 #[cfg(test)]
 mod tests;
+
+pub use regions::Memory;
 
 use crate::metric::{Boundary, BoundaryEdge, Merge, Metric, Offer, Place, Quadrics};
 use mt_core::analysis::{Draft, Operator, Unfit};

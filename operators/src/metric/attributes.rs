@@ -234,6 +234,8 @@ pub struct AttributePair<const K: usize> {
 impl<const K: usize> Metric for QuadricAttributes<K> {
     type State = AttributeState<K>;
     type Pair = AttributePair<K>;
+    /// Quadric and attributes.
+    type Memory = (AttributeQuadric<K>, [f64; K]);
 
     fn name(&self) -> &'static str {
         "quadric-attributes"
@@ -296,6 +298,14 @@ impl<const K: usize> Metric for QuadricAttributes<K> {
             pair.attributes_at(ends_of(draft, merge.ends), draft.positions[merge.into.index()])
         };
         put(&mut state.vertices, merge.into, (pair.sum, attributes));
+    }
+
+    fn recall(&self, state: &AttributeState<K>, v: VertexId) -> Self::Memory {
+        state.vertices[v.index()]
+    }
+
+    fn resume(&self, of: &AttributeState<K>, memories: &[Self::Memory]) -> AttributeState<K> {
+        AttributeState { middle: of.middle, vertices: memories.to_vec() }
     }
 }
 

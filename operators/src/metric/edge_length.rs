@@ -21,6 +21,7 @@ impl Metric for EdgeLength {
     type State = Displacements;
     /// The displacements of both.
     type Pair = [f32; 2];
+    type Memory = f32;
 
     fn name(&self) -> &'static str {
         "edge-length"
@@ -47,5 +48,13 @@ impl Metric for EdgeLength {
         let from = |v: VertexId| f64::from(state.0[v.index()]) + draft.positions[v.index()].as_dvec3().distance(to);
         let [a, b] = merge.ends.map(from);
         put(&mut state.0, merge.into, a.max(b) as f32);
+    }
+
+    fn recall(&self, state: &Displacements, v: VertexId) -> f32 {
+        state.0[v.index()]
+    }
+
+    fn resume(&self, _: &Displacements, memories: &[f32]) -> Displacements {
+        Displacements(memories.to_vec())
     }
 }

@@ -81,6 +81,8 @@ pub struct Surroundings {
 impl Metric for LindstromTurk {
     type State = Memoryless;
     type Pair = Surroundings;
+    /// Error and whether it is on the boundary.
+    type Memory = (f32, bool);
 
     fn name(&self) -> &'static str {
         "lindstrom-turk"
@@ -127,6 +129,15 @@ impl Metric for LindstromTurk {
         let error = merge.ends.iter().map(|v| state.errors[v.index()]).fold(merge.error, f32::max);
         put(&mut state.on_boundary, merge.into, on_boundary);
         put(&mut state.errors, merge.into, error);
+    }
+
+    fn recall(&self, state: &Memoryless, v: VertexId) -> (f32, bool) {
+        (state.errors[v.index()], state.on_boundary[v.index()])
+    }
+
+    fn resume(&self, of: &Memoryless, memories: &[(f32, bool)]) -> Memoryless {
+        let (errors, on_boundary) = memories.iter().copied().unzip();
+        Memoryless { errors, on_boundary, coherent: of.coherent, scale: of.scale }
     }
 }
 

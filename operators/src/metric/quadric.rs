@@ -184,6 +184,7 @@ pub struct Quadrics;
 impl Metric for Quadrics {
     type State = Vec<Quadric>;
     type Pair = Quadric;
+    type Memory = Quadric;
 
     fn name(&self) -> &'static str {
         "quadric"
@@ -225,6 +226,14 @@ impl Metric for Quadrics {
         let [a, b] = merge.ends;
         let sum = quadrics[a.index()] + quadrics[b.index()];
         put(quadrics, merge.into, sum);
+    }
+
+    fn recall(&self, quadrics: &Vec<Quadric>, v: VertexId) -> Quadric {
+        quadrics[v.index()]
+    }
+
+    fn resume(&self, _: &Vec<Quadric>, memories: &[Quadric]) -> Vec<Quadric> {
+        memories.to_vec()
     }
 }
 

@@ -1,0 +1,209 @@
+//! Between rounds: what is left of the mesh, numbered along a curve through space and cut into regions.
+
+use crate::bits::Bits;
+use crate::cell::Cell;
+use crate::id::{CellId, VertexId};
+use crate::mesh::Mesh;
+use glam::Vec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// What is left: vertices that cells have, with what the operator knows of them, and cells. Names are the listener's.
+pub(super) struct Soup<const N: usize, M> {
+    pub(super) positions: Vec<Vec3>,
+    pub(super) memories: Vec<M>,
+    pub(super) names: Vec<VertexId>,
+    pub(super) cells: Vec<Cell<N>>,
+    pub(super) cell_names: Vec<CellId>,
+}
+
+impl<const N: usize, M: Copy> Soup<N, M> {
+    /// The input; no memories yet.
+    pub(super) fn of(mesh: &Mesh<N>) -> Self {
+        Self {
+            positions: mesh.positions.clone(),
+            memories: Vec::new(),
+            names: (0..mesh.positions.len()).map(VertexId::new).collect(),
+            cells: mesh.cells.clone(),
+            cell_names: (0..mesh.cells.len()).map(CellId::new).collect(),
+        }
+    }
+
+    /// With room for this much.
+    pub(super) fn with_capacity(vertices: usize, cells: usize) -> Self {
+        Self {
+            positions: Vec::with_capacity(vertices),
+            memories: Vec::with_capacity(vertices),
+            names: Vec::with_capacity(vertices),
+            cells: Vec::with_capacity(cells),
+            cell_names: Vec::with_capacity(cells),
+        }
+    }
+
+    /// Vertex `order[i]` becomes vertex `i`.
+    fn renumber(&mut self, order: &[u32]) {
+        let mut number = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(i, &v)| number[v as usize] = i as u32);
+        self.positions = order.iter().map(|&v| self.positions[v as usize]).collect();
+        self.names = order.iter().map(|&v| self.names[v as usize]).collect();
+        if !self.memories.is_empty() {
+            self.memories = order.iter().map(|&v| self.memories[v as usize]).collect();
+        }
+        self.cells.par_iter_mut().for_each(|cell| cell.iter_mut().for_each(|v| v.0 = number[v.index()]));
+    }
+
+    /// Cell `order[i]` becomes cell `i`.
+    fn reorder_cells(&mut self, order: &[u32]) {
+        self.cells = order.iter().map(|&i| self.cells[i as usize]).collect();
+        self.cell_names = order.iter().map(|&i| self.cell_names[i as usize]).collect();
+    }
+}
+
+/// A soup cut into regions: vertices and cells of a region are runs. Cells that reach into several come last.
+pub(super) struct Partition<const N: usize, M> {
+    pub(super) soup: Soup<N, M>,
+    /// Vertices of each region but the last.
+    size: usize,
+    /// Where the cells of each region begin, and where those of the last end.
+    cell_starts: Vec<usize>,
+    /// Vertices with a cell that reaches into several regions.
+    pub(super) frozen: Bits,
+}
+
+impl<const N: usize, M: Copy + Send + Sync> Partition<N, M> {
+    /// Cuts into regions of about `size` vertices; each `round` cuts elsewhere.
+    pub(super) fn new(mut soup: Soup<N, M>, size: usize, round: u32) -> Self {
+        let order = along_curve(&soup.positions, round);
+        soup.renumber(&order);
+        drop(order);
+        let vertices = soup.positions.len();
+        let regions = vertices.div_ceil(size).max(1);
+        let mut partition = Self { soup, size: vertices.div_ceil(regions).max(1), cell_starts: Vec::new(), frozen: Bits::new(vertices as u32) };
+        partition.sort_cells(regions);
+        partition
+    }
+
+    /// One region with all of it.
+    pub(super) fn whole(soup: Soup<N, M>) -> Self {
+        let (vertices, cells) = (soup.positions.len(), soup.cells.len());
+        Self { soup, size: vertices.max(1), cell_starts: vec![0, cells], frozen: Bits::new(vertices as u32) }
+    }
+
+    /// Number of regions.
+    pub(super) fn len(&self) -> usize {
+        self.cell_starts.len() - 1
+    }
+
+    /// The vertices of a region.
+    pub(super) fn vertices(&self, region: usize) -> Range<usize> {
+        let count = self.soup.positions.len();
+        (region * self.size).min(count)..((region + 1) * self.size).min(count)
+    }
+
+    /// The cells of a region.
+    pub(super) fn cells(&self, region: usize) -> Range<usize> {
+        self.cell_starts[region]..self.cell_starts[region + 1]
+    }
+
+    /// The cells of no region.
+    pub(super) fn between(&self) -> Range<usize> {
+        self.cell_starts[self.len()]..self.soup.cells.len()
+    }
+
+    /// The region that all corners of a cell are in; `regions` where there are several.
+    fn region_of(&self, cell: &Cell<N>, regions: usize) -> usize {
+        let region = cell[0].index() / self.size;
+        if cell.iter().all(|v| v.index() / self.size == region) { region } else { regions }
+    }
+
+    fn sort_cells(&mut self, regions: usize) {
+        let of: Vec<u32> = self.soup.cells.par_iter().map(|cell| self.region_of(cell, regions) as u32).collect();
+        let mut starts = vec![0usize; regions + 2];
+        of.iter().for_each(|&region| starts[region as usize + 1] += 1);
+        (0..=regions).for_each(|i| starts[i + 1] += starts[i]);
+        let mut next = starts.clone();
+        let mut order = vec![0u32; of.len()];
+        for (i, &region) in of.iter().enumerate() {
+            let at = &mut next[region as usize];
+            order[*at] = i as u32;
+            *at += 1;
+        }
+        self.soup.reorder_cells(&order);
+        starts.truncate(regions + 1);
+        self.cell_starts = starts;
+        for i in self.between() {
+            self.soup.cells[i].iter().for_each(|v| _ = self.frozen.insert(v.0));
+        }
+    }
+}
+
+/// The order of points along a curve through all octants of a box (`[Morton1966]`), which lies elsewhere in every round, so
+/// that no plane between octants is one for ever. Points at one place keep their order.
+fn along_curve(positions: &[Vec3], round: u32) -> Vec<u32> {
+    let Some(&first) = positions.first() else { return Vec::new() };
+    let (low, high) = positions.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
+    let size = (high - low).max_element().max(f32::MIN_POSITIVE);
+    // Multiples of an irrational number never come back to the same place.
+    let golden = 0.618_034_f32;
+    let shift = |axis: u32| size * ((round * 3 + axis + 1) as f32 * golden).fract();
+    let corner = low - Vec3::new(shift(0), shift(1), shift(2));
+    let cells_per_unit = ((1u32 << BITS) - 1) as f32 / (2.0 * size);
+    let code = |p: Vec3| {
+        let at = ((p - corner) * cells_per_unit).clamp(Vec3::ZERO, Vec3::splat(((1u32 << BITS) - 1) as f32));
+        spread(at.x as u64) | spread(at.y as u64) << 1 | spread(at.z as u64) << 2
+    };
+    let mut keys: Vec<(u64, u32)> = positions.par_iter().enumerate().map(|(v, &p)| (code(p), v as u32)).collect();
+    keys.par_sort_unstable();
+    keys.into_iter().map(|(_, v)| v).collect()
+}
+
+/// Bits of each coordinate on the curve: what single precision tells apart, and no more than a third of 64.
+const BITS: u32 = 21;
+
+/// Puts two zeros between any two of the lower 21 bits.
+fn spread(x: u64) -> u64 {
+    let x = (x | x << 32) & 0x001f_0000_0000_ffff;
+    let x = (x | x << 16) & 0x001f_0000_ff00_00ff;
+    let x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
+    let x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
+    (x | x << 2) & 0x1249_2492_4924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate;
+
+    #[test]
+    fn bits_are_spread_by_three() {
+        for x in [0u64, 1, 2, 3, 0x1f_ffff, 0x15_5555, 0x0a_cafe] {
+            let slow = (0..21).fold(0, |sum, bit| sum | (x >> bit & 1) << (3 * bit));
+            assert_eq!(spread(x), slow);
+        }
+    }
+
+    #[test]
+    fn every_cell_is_in_one_region_or_between_frozen_vertices() {
+        let mesh = generate::torus(40, 30);
+        for round in 0..4 {
+            let mut soup: Soup<3, u8> = Soup::of(&mesh);
+            soup.memories = vec![0; mesh.positions.len()];
+            let partition = Partition::new(soup, 100, round);
+            assert_eq!(partition.len(), 12);
+            let mut cells = 0;
+            for region in 0..partition.len() {
+                let (vertices, own) = (partition.vertices(region), partition.cells(region));
+                assert!(partition.soup.cells[own.clone()].iter().flatten().all(|v| vertices.contains(&v.index())));
+                cells += own.len();
+            }
+            let between = partition.between();
+            assert_eq!(cells + between.len(), mesh.cells.len());
+            assert!(partition.soup.cells[between].iter().flatten().all(|v| partition.frozen.contains(v.0)));
+            // Most of it can be worked on, and names lead back to the input.
+            assert!(partition.frozen.count() < 800, "{}", partition.frozen.count());
+            for (cell, name) in partition.soup.cells.iter().zip(&partition.soup.cell_names) {
+                assert_eq!(cell.map(|v| partition.soup.names[v.index()]), mesh.cells[name.index()]);
+            }
+        }
+    }
+}

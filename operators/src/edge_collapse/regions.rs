@@ -1,0 +1,54 @@
+//! Edge collapse on regions of a mesh: what is kept of a vertex, and which edges a region has.
+
+use super::{Aux, Edge, EdgeCollapse};
+use crate::metric::Metric;
+use mt_core::analysis::{Draft, RegionOperator};
+use mt_core::{Bits, VertexId};
+
+/// What is kept of a vertex from one round to the next.
+#[derive(Copy, Clone, Debug)]
+pub struct Memory<T> {
+    metric: T,
+    on_boundary: bool,
+}
+
+impl<M: Metric<State: Send + Sync> + Sync> RegionOperator<3> for EdgeCollapse<M> {
+    type Memory = Memory<M::Memory>;
+
+    fn recall(&self, aux: &Self::Aux, v: VertexId) -> Self::Memory {
+        Memory { metric: self.metric.recall(&aux.metric, v), on_boundary: aux.on_boundary[v.index()] }
+    }
+
+    fn resume(&self, of: &Self::Aux, memories: &[Self::Memory]) -> Self::Aux {
+        let known: Vec<_> = memories.iter().map(|memory| memory.metric).collect();
+        Aux {
+            metric: self.metric.resume(&of.metric, &known),
+            on_boundary: memories.iter().map(|memory| memory.on_boundary).collect(),
+            coherent: of.coherent,
+            stamps: if self.changes_prices() { vec![0; memories.len()] } else { Vec::new() },
+        }
+    }
+
+    fn sites(&self, draft: &Draft<3>, aux: &Self::Aux, out: &mut Vec<Edge>) {
+        let mut others = Vec::new();
+        for (_, &[a, b, c]) in draft.complex.cells() {
+            for [u, v] in [[a, b], [b, c], [c, a]] {
+                // Where triangles agree on their sides, an edge with two of them comes once in each direction; the others
+                // come once for each triangle.
+                let is_inner = aux.coherent && !(aux.on_boundary[u.index()] && aux.on_boundary[v.index()]);
+                if !is_inner {
+                    others.push(aux.edge(u, v));
+                } else if u < v {
+                    out.push(aux.edge(u, v));
+                }
+            }
+        }
+        others.sort_unstable();
+        others.dedup();
+        out.append(&mut others);
+    }
+
+    fn is_free(site: Edge, frozen: &Bits) -> bool {
+        [site.a, site.b].iter().all(|v| v.0 >= frozen.capacity() || !frozen.contains(v.0))
+    }
+}
