@@ -22,9 +22,34 @@ fn meshes() -> Vec<(&'static str, Mesh<3>)> {
         ("a terrain", generate::terrain(24, 0.55, 7)),
         ("two tori", generate::components(&[generate::torus(20, 12), generate::torus(9, 7)])),
         ("a box", generate::sharp_box(7)),
+        ("a flat sheet", generate::bumpy_grid(30, 20, 0.0, 1)),
+        ("a hub", generate::components(&[hub(300), generate::torus(20, 12)])),
+        ("vertices without cells", lonely(&generate::terrain(16, 0.55, 3))),
+        ("a large torus", scaled(&generate::torus(30, 16), 1e15)),
         ("a Moebius band", generate::moebius(90)),
         ("an octahedron", generate::octahedron()),
     ]
+}
+
+/// Two discs of so many triangles each around a vertex, with a common rim.
+fn hub(count: u32) -> Mesh<3> {
+    let turn = |i: u32| std::f32::consts::TAU * i as f32 / count as f32;
+    let rim = (0..count).map(|i| glam::vec3(turn(i).cos(), turn(i).sin(), 0.0));
+    let positions = rim.chain([glam::vec3(0.0, 0.0, 0.5), glam::vec3(0.0, 0.0, -0.5)]).collect();
+    let sides = (0..count).map(|i| (i, (i + 1) % count));
+    let cells: Vec<_> = sides.flat_map(|(a, b)| [[a, b, count], [b, a, count + 1]]).collect();
+    Mesh::from_indices(positions, &cells)
+}
+
+/// With vertices that no cell has, before and after each.
+fn lonely(mesh: &Mesh<3>) -> Mesh<3> {
+    let positions = mesh.positions.iter().flat_map(|&p| [p + glam::Vec3::Z, p]).collect();
+    let cells = mesh.cells.iter().map(|cell| cell.map(|v| mt_core::VertexId(2 * v.0 + 1))).collect();
+    Mesh { positions, cells }
+}
+
+fn scaled(mesh: &Mesh<3>, scale: f32) -> Mesh<3> {
+    Mesh { positions: mesh.positions.iter().map(|p| *p * scale).collect(), cells: mesh.cells.clone() }
 }
 
 fn operator(name: &str) -> AnyOperator {
@@ -84,7 +109,39 @@ fn every_law_holds_on_what_regions_make() {
     }
 }
 
-/// Both listeners hear the same story: errors, and where vertices are put.
+/// Boundaries that are locked stay, and attributes go to the vertices that they are given for.
+#[test]
+fn what_is_known_of_a_vertex_stays_with_it() {
+    use operators::edge_collapse::{BoundaryRule, EdgeCollapse};
+    use operators::metric::QuadricAttributes;
+    let mesh = generate::bumpy_grid(40, 30, 0.0, 1);
+    let model = |operator: &dyn Fn(&mut Recorder<3>) -> Result<Ended, AnalysisError>| {
+        let mut recorder = Recorder::new(&mesh).unwrap();
+        operator(&mut recorder).unwrap();
+        recorder.finish(ErrorKind::Estimate).unwrap()
+    };
+    let options = Options { until_cells: Some(300), ..Options::default() };
+    let locked = EdgeCollapse { boundary: BoundaryRule::Locked, ..EdgeCollapse::FULL };
+    let left = model(&|heard| {
+        mt_core::analysis::analyse_by_regions(&mesh, &locked, &options, &small(2), heard, &mut |_| true)
+    });
+    let boundary = |cells: &[[mt_core::VertexId; 3]], of: usize| mt_core::Complex::new(of, cells).boundary();
+    let base: Vec<_> = left.base_cells().iter().map(|cell| *left.corners(*cell)).collect();
+    assert_eq!(boundary(&base, left.positions().len()), boundary(&mesh.cells, mesh.positions.len()));
+    // A step in colour along a line of a flat sheet: no triangle reaches across it from far.
+    let colours: Vec<[f32; 3]> = mesh.positions.iter().map(|p| [f32::from(p.x > 20.0), 0.0, 0.0]).collect();
+    let coloured = EdgeCollapse::FULL.with(QuadricAttributes { attributes: Some(colours.into()), weight: 1.0 });
+    let left = model(&|heard| {
+        mt_core::analysis::analyse_by_regions(&mesh, &coloured, &options, &small(2), heard, &mut |_| true)
+    });
+    let across = left.base_cells().iter().filter(|cell| {
+        let x = left.corners(**cell).map(|v| left.positions()[v.index()].x);
+        x.iter().any(|&x| x < 18.0) && x.iter().any(|&x| x > 23.0)
+    });
+    assert_eq!(across.count(), 0, "triangles reach across the step");
+}
+
+/// Both listeners hear the same story: where vertices are put, one after the other.
 #[test]
 fn cells_and_merges_are_told_alike() {
     let mesh = generate::bumpy_sphere(4, 0.15, 2);
@@ -156,14 +213,16 @@ fn whoever_watches_can_stop_it() {
 fn what_cannot_be_is_refused_by_name() {
     let analyse = |mesh: &Mesh<3>, options: Options| {
         let mut recorder = Recorder::new(mesh).unwrap();
-        let ended = operator("edge-collapse").analyse_by_regions(mesh, &options, &small(1), &mut recorder, &mut |_| true);
+        let ended =
+            operator("edge-collapse").analyse_by_regions(mesh, &options, &small(1), &mut recorder, &mut |_| true);
         ended.map(|ended| ended.stopped)
     };
     let measured = Options { error_kind: ErrorKind::Measured, ..Options::default() };
     assert_eq!(analyse(&generate::torus(20, 12), measured), Err(AnalysisError::MeasuredByRegions));
     // Where the mesh is no manifold is told by the numbers that the caller knows.
     let book = generate::components(&[generate::torus(20, 12), generate::fan3()]);
-    let Err(AnalysisError::Unfit(Unfit::NonManifold { edges, edge_places, .. })) = analyse(&book, Options::default()) else {
+    let Err(AnalysisError::Unfit(Unfit::NonManifold { edges, edge_places, .. })) = analyse(&book, Options::default())
+    else {
         panic!("three triangles at an edge are no manifold");
     };
     assert!(edges == 1 && edge_places.contains("240-241"), "{edge_places}");

@@ -152,7 +152,8 @@ mod tests {
 
     #[test]
     fn what_is_not_said_has_usual_values() {
-        let camera: Camera = serde_json::from_str(r#"{ "eye": [0, 0, 4], "target": [0, 0, 0], "near": 1, "far": 7 }"#).unwrap();
+        let camera: Camera =
+            serde_json::from_str(r#"{ "eye": [0, 0, 4], "target": [0, 0, 0], "near": 1, "far": 7 }"#).unwrap();
         assert_eq!((camera.up, camera.fov_y_degrees), (Vec3::Y, 45.0));
         assert_eq!((camera.width_px, camera.height_px), (1024, 768));
         assert_eq!(camera.check(), Ok(()));

@@ -64,6 +64,31 @@ pub fn canonical<const N: usize>(cell: &Cell<N>) -> Cell<N> {
     sorted
 }
 
+/// Links of at most so many edges are walked by searching through all of them.
+const SHORT: usize = 24;
+
+/// A quick yes: these edges of a link are one closed walk around a vertex, in which each begins where just one other ends.
+/// A no says nothing: the link may be long, open, or of triangles that do not agree on their sides. O(edges²), at most 24².
+pub fn is_short_cycle(edges: &[[VertexId; 2]]) -> bool {
+    if !(3..=SHORT).contains(&edges.len()) {
+        return false;
+    }
+    let begins_at = |v: VertexId| {
+        let mut from_here = edges.iter().filter(|edge| edge[0] == v);
+        from_here.next().filter(|_| from_here.next().is_none())
+    };
+    let start = edges[0][0];
+    let mut at = start;
+    for walked in 1..=edges.len() {
+        let Some(&[_, next]) = begins_at(at) else { return false };
+        at = next;
+        if at == start {
+            return walked == edges.len();
+        }
+    }
+    false
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,5 +128,21 @@ mod tests {
         let [a, b, c, d] = [4, 9, 2, 7].map(VertexId);
         assert_eq!(facet(&[a, b, c], 1).0.vertices(), [c, a]);
         assert_eq!(facet(&[a, b, c, d], 0).0.vertices(), [c, d, b]);
+    }
+
+    #[test]
+    fn a_short_cycle_takes_in_all_edges_once() {
+        let is = |edges: &[[u32; 2]]| is_short_cycle(&edges.iter().map(|edge| edge.map(VertexId)).collect::<Vec<_>>());
+        assert!(is(&[[5, 7], [9, 5], [7, 9]]));
+        assert!(is(&[[1, 2], [3, 4], [2, 3], [4, 1]]));
+        // Two edges, an open walk, two cycles, a turn the other way, a vertex passed twice, a tail into a cycle.
+        assert!(!is(&[[1, 2], [2, 1]]));
+        assert!(!is(&[[1, 2], [2, 3], [3, 4]]));
+        assert!(!is(&[[1, 2], [2, 3], [3, 1], [4, 5], [5, 6], [6, 4]]));
+        assert!(!is(&[[1, 2], [2, 3], [1, 3]]));
+        assert!(!is(&[[1, 2], [2, 3], [3, 1], [1, 4], [4, 5], [5, 1]]));
+        assert!(!is(&[[0, 1], [1, 2], [2, 3], [3, 1]]));
+        let long: Vec<[u32; 2]> = (0..25).map(|i| [i, (i + 1) % 25]).collect();
+        assert!(!is(&long) && is(&(0..24).map(|i| [i, (i + 1) % 24]).collect::<Vec<_>>()));
     }
 }

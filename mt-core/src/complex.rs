@@ -325,6 +325,19 @@ impl<const N: usize> Complex<N> {
     }
 }
 
+impl Complex<3> {
+    /// The link of `v` as edges: of each triangle around it the two other corners, in the triangle's turn; written over
+    /// `out`.
+    #[inline]
+    pub fn link_edges(&self, v: VertexId, out: &mut Vec<[VertexId; 2]>) {
+        out.clear();
+        out.extend(self.star(v).map(|(slot, i)| {
+            let cell = self.cell(slot);
+            [cell[(i + 1) % 3], cell[(i + 2) % 3]]
+        }));
+    }
+}
+
 /// Iterator over the star of a vertex: the slot of each cell and the corner at which the vertex is.
 #[derive(Clone, Debug)]
 pub struct Star<'a, const N: usize> {
@@ -368,7 +381,8 @@ mod tests {
     fn cells_beyond_those_killed_take_free_slots_and_then_new_ones() {
         let mut complex = Complex::new(6, &cells(&[[0, 1, 2], [0, 2, 3]]));
         let mut slots = Vec::new();
-        let plan = |kills: &[u32], makes: &[[u32; 3]]| Plan { kills: kills.to_vec(), makes: cells(makes), ..Plan::default() };
+        let plan =
+            |kills: &[u32], makes: &[[u32; 3]]| Plan { kills: kills.to_vec(), makes: cells(makes), ..Plan::default() };
         complex.apply(&plan(&[0], &[[0, 1, 4], [1, 2, 4], [2, 0, 4]]), &mut slots);
         assert_eq!((slots.as_slice(), complex.cell_count(), complex.slot_count()), ([0, 2, 3].as_slice(), 4, 4));
         complex.apply(&plan(&[2, 3], &[]), &mut slots);

@@ -18,10 +18,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (runs, vertices, threads) = (number(3)?, number(8192)?, number(1)?);
     let way = words.next();
     println!("{} vertices, {} triangles", mesh.vertex_count(), mesh.cell_count());
-    for (title, regions) in [
-        ("as a whole", None),
-        ("by regions", Some(Regions { vertices: u32::try_from(vertices)?, threads })),
-    ] {
+    for (title, regions) in
+        [("as a whole", None), ("by regions", Some(Regions { vertices: u32::try_from(vertices)?, threads }))]
+    {
         if way.as_ref().is_some_and(|way| !title.contains(way)) {
             continue;
         }
@@ -33,7 +32,13 @@ fn main() -> Result<(), Box<dyn Error>> {
             removed = mesh.cell_count() - left;
         }
         println!("{title}:");
-        let names = ["analysis, merges recorded", "  replay of the merges", "  dual-piece order", "analysis, cells recorded", "  order and bounds of the cells"];
+        let names = [
+            "analysis, merges recorded",
+            "  replay of the merges",
+            "  dual-piece order",
+            "analysis, cells recorded",
+            "  order and bounds of the cells",
+        ];
         names.iter().zip(best).for_each(|(name, seconds)| println!("  {name:40} {:9.1} ms", seconds * 1e3));
         let rate = |seconds: &[f64]| removed as f64 / seconds.iter().sum::<f64>() / 1e3;
         println!("  thousand triangles a CPU second: {:.0} hierarchy, {:.0} cells", rate(&best[..3]), rate(&best[3..]));
@@ -79,7 +84,11 @@ fn cpu_seconds() -> f64 {
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
-fn coarsen(mesh: &Mesh<3>, regions: Option<Regions>, listener: &mut impl RegionListener<3>) -> Result<Ended, AnalysisError> {
+fn coarsen(
+    mesh: &Mesh<3>,
+    regions: Option<Regions>,
+    listener: &mut impl RegionListener<3>,
+) -> Result<Ended, AnalysisError> {
     let options = Options::default();
     match regions {
         None => analyse(mesh, &EdgeCollapse::FULL, &options, listener, &mut |_| true),

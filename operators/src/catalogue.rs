@@ -81,12 +81,18 @@ impl AnyOperator {
         listener: &mut impl RegionListener<3>,
         watch: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Ended, AnalysisError> {
-        match self {
-            Self::EdgeCollapse(collapse) if collapse.metric == AnyMetric::Quadric(Quadrics) => {
-                analyse_by_regions(mesh, &collapse.clone().with(Quadrics), options, regions, listener, watch)
-            }
-            Self::EdgeCollapse(collapse) => analyse_by_regions(mesh, collapse, options, regions, listener, watch),
-            _ => self.analyse(mesh, options, listener, watch),
+        let Self::EdgeCollapse(collapse) = self else { return self.analyse(mesh, options, listener, watch) };
+        // By type, since each metric keeps something else of a vertex.
+        macro_rules! by {
+            ($metric:expr) => {
+                analyse_by_regions(mesh, &collapse.clone().with($metric), options, regions, listener, watch)
+            };
+        }
+        match &collapse.metric {
+            AnyMetric::Quadric(metric) => by!(*metric),
+            AnyMetric::QuadricAttributes(metric) => by!(metric.clone()),
+            AnyMetric::LindstromTurk(metric) => by!(*metric),
+            AnyMetric::EdgeLength(metric) => by!(*metric),
         }
     }
 

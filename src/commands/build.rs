@@ -68,6 +68,12 @@ pub struct Build {
     json: bool,
 }
 
+/// What a history was made by: the operator's name, and regions if it went by these.
+struct How {
+    operator: String,
+    regions: Option<Regions>,
+}
+
 /// Meshes of so many triangles are coarsened region by region, if nothing else is said: below, one queue for all does not
 /// leave the cache by much.
 const LARGE: usize = 400_000;
@@ -128,20 +134,20 @@ impl Build {
             eprint!("{report}");
         }
         let clock = Clock::start();
-        let (analysis, operator) = match history {
-            Some((path, lines)) => (replay(&mesh, path, lines)?, "history".to_owned()),
+        let (analysis, how) = match history {
+            Some((path, lines)) => (replay(&mesh, path, lines)?, How { operator: "history".to_owned(), regions: None }),
             None => self.analyse(&mesh)?,
         };
         let (analysis_s, analysis_cpu_s) = (clock.wall(), clock.cpu());
         let clock = Clock::start();
-        let meta = self.meta(&analysis, operator, &report);
+        let meta = self.meta(&analysis, how, &report);
         files::write(&self.output, |mut out| container::write(&analysis.model, &meta, &mut out))?;
         let seconds = Seconds { load_s, analysis_s, analysis_cpu_s, write_s: clock.wall() };
         self.tell(&mesh, &analysis, &meta, &report, &seconds);
         Ok(ExitCode::SUCCESS)
     }
 
-    fn analyse(&self, mesh: &Mesh<3>) -> Result<(Analysis<3>, String), CommandError> {
+    fn analyse(&self, mesh: &Mesh<3>) -> Result<(Analysis<3>, How), CommandError> {
         if self.until_error.is_some_and(|error| error.is_nan() || error < 0.0) {
             return Err(CommandError::Other("--until-error must be a number, 0 or more".into()));
         }
@@ -158,7 +164,8 @@ impl Build {
         let mut progress = Progress::new("coarsening", mesh.cell_count() as u64);
         let mut recorder = Recorder::new(mesh).map_err(|error| self.explain(error.into()))?;
         let mut watch = |at: mt_core::analysis::Progress| progress.at((at.cells_in - at.cells) as u64);
-        let ended = match self.chosen_regions(mesh, &operator)? {
+        let regions = self.chosen_regions(mesh, &operator)?;
+        let ended = match regions {
             Some(regions) => operator.analyse_by_regions(mesh, &options, &regions, &mut recorder, &mut watch),
             None => operator.analyse(mesh, &options, &mut recorder, &mut watch),
         };
@@ -167,7 +174,8 @@ impl Build {
             return Err(CommandError::Interrupted);
         }
         let model = recorder.finish(options.error_kind).map_err(|error| self.explain(error.into()))?;
-        Ok((Analysis { model, refusals: ended.refusals, stopped: ended.stopped }, operator.name()))
+        let analysis = Analysis { model, refusals: ended.refusals, stopped: ended.stopped };
+        Ok((analysis, How { operator: operator.name(), regions }))
     }
 
     /// The regions to coarsen one by one, if that is how; what was asked for and cannot be is refused.
@@ -175,6 +183,9 @@ impl Build {
         let measured = matches!(self.errors, Errors::Measured);
         let vertices = match self.regions {
             Some(0) => return Ok(None),
+            Some(vertices @ 1..16) => {
+                return Err(CommandError::Other(format!("--regions {vertices} is too few: 16 at least, 0 for none")));
+            }
             Some(vertices) => vertices,
             None if mesh.cell_count() < LARGE || measured || !operator.works_by_regions() => return Ok(None),
             None => Regions::default().vertices,
@@ -243,10 +254,11 @@ impl Build {
         FileError::new(&self.model, format!("{error}{way_out}")).into()
     }
 
-    fn meta(&self, analysis: &Analysis<3>, operator: String, report: &LoadReport) -> Meta {
+    fn meta(&self, analysis: &Analysis<3>, how: How, report: &LoadReport) -> Meta {
         let name = self.model.file_name().unwrap_or(self.model.as_os_str());
         Meta {
-            operator,
+            operator: how.operator,
+            region_vertices: how.regions.map_or(0, |regions| regions.vertices),
             source: name.to_string_lossy().into_owned(),
             stopped: if self.history.is_some() { "the history ends".into() } else { analysis.stopped.to_string() },
             refusals: analysis.refusals.iter().map(|(reason, count)| (reason.name().to_owned(), count)).collect(),
@@ -286,6 +298,7 @@ impl Build {
             "analysis_s": seconds.analysis_s,
             "analysis_cpu_s": seconds.analysis_cpu_s,
             "write_s": seconds.write_s,
+            "region_vertices": meta.region_vertices,
             "threads_asked": self.threads,
             "peak_bytes": peak_bytes(),
         }));

@@ -47,6 +47,26 @@ fn both_operators_build_and_tell_their_figures() {
 }
 
 #[test]
+fn regions_build_the_same_bytes_on_any_number_of_threads() {
+    let room = Room::new();
+    room.put("ball.ply", &ball_mesh());
+    let bytes = |options: &str| {
+        room.good(&format!("build ball.ply -o ball.mt {options}"));
+        std::fs::read(room.path("ball.mt")).unwrap()
+    };
+    let one = bytes("--regions 60 --threads 1");
+    assert!(one == bytes("--regions 60 --threads 3") && one == bytes("--regions 60"));
+    room.good("verify ball.mt --fronts 20");
+    assert_eq!(room.model("ball.mt").1.region_vertices, 60);
+    // Small meshes are coarsened as a whole, unless something else is said.
+    let whole = bytes("");
+    assert!(whole == bytes("--regions 0") && whole != one);
+    // Operators that cannot do otherwise are not troubled by threads, nor are measured errors.
+    bytes("--operator fan-merge --threads 2");
+    bytes("--errors measured --threads 2");
+}
+
+#[test]
 fn every_operator_builds_a_model_that_knows_its_name() {
     let room = Room::new();
     room.put("terrain.ply", &generate::terrain(14, 0.5, 3));

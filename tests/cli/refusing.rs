@@ -313,6 +313,9 @@ fn an_option_of_another_operator_is_refused() {
         ("--operator vertex-pair --below-stall collapse", "--below-stall is for fan-merge, not for vertex-pair"),
         ("--operator fan-merge --preference equal", "--preference is for vertex-pair, not for fan-merge"),
         ("--operator vertex-pair --boundary locked", "--boundary locked is not for vertex-pair"),
+        ("--operator fan-merge --regions 500", "--regions is for collapses of edges, not for fan-merge"),
+        ("--regions 7", "16 at least"),
+        ("--errors measured --regions 500", "--errors measured needs the mesh as a whole"),
     ] {
         room.refused(&format!("build ball.ply -o out.mt --json {options}"), says);
     }

@@ -156,19 +156,27 @@ mod tests {
     fn points_go_with_the_cells_that_are_nearest() {
         // A fan of four around a raised vertex becomes two flat triangles; then these become one, which has lost a corner.
         let mesh = Mesh::from_indices(
-            [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 0.5]].map(glam::Vec3::from).to_vec(),
+            [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 0.5]]
+                .map(glam::Vec3::from)
+                .to_vec(),
             &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
         );
         let mut draft = Draft::new(&mesh);
         let mut measure = Measure::new(&mesh);
         let ids = |cell: [u32; 3]| cell.map(VertexId);
         let mut slots = Vec::new();
-        let first = Plan { kills: vec![0, 1, 2, 3], makes: vec![ids([0, 1, 2]), ids([0, 2, 3])], retired: vec![VertexId(4)], ..Plan::default() };
+        let first = Plan {
+            kills: vec![0, 1, 2, 3],
+            makes: vec![ids([0, 1, 2]), ids([0, 2, 3])],
+            retired: vec![VertexId(4)],
+            ..Plan::default()
+        };
         let error = measure.of_plan(&draft, &first);
         assert!((0.5..0.500_001).contains(&error), "{error}");
         draft.apply(&first, &mut slots);
         measure.applied(&slots);
-        let second = Plan { kills: vec![0, 1], makes: vec![ids([0, 1, 2])], retired: vec![VertexId(3)], ..Plan::default() };
+        let second =
+            Plan { kills: vec![0, 1], makes: vec![ids([0, 1, 2])], retired: vec![VertexId(3)], ..Plan::default() };
         let error = measure.of_plan(&draft, &second);
         assert!((2f32.sqrt()..2f32.sqrt() + 1e-6).contains(&error), "{error}");
         draft.apply(&second, &mut slots);

@@ -61,15 +61,17 @@ impl<S: Copy> Queue<S> {
     }
 }
 
-/// The price that half of the sites are not above, to within a bucket; 0 where there are none.
-pub(super) fn median(counts: &[usize]) -> f64 {
-    let half = counts.iter().sum::<usize>().div_ceil(2);
-    let mut below = 0;
-    let bucket = counts.iter().position(|count| {
-        below += count;
-        below >= half
-    });
-    f64::from(f32::from_bits((bucket.unwrap_or(0) as u32) << LOWER_BITS))
+/// Of the sites that are dearer than `above`, the price that half of them do not exceed, to within a bucket.
+pub(super) fn median_above(counts: &[usize], above: f64) -> Option<f64> {
+    let from = if above < 0.0 { 0 } else { bucket_of(above) + 1 };
+    let dearer = counts.get(from..).filter(|dearer| dearer.iter().any(|&count| count > 0))?;
+    let half = dearer.iter().sum::<usize>().div_ceil(2);
+    let mut passed = 0;
+    let bucket = dearer.iter().position(|count| {
+        passed += count;
+        passed >= half
+    })?;
+    Some(f64::from(f32::from_bits(((from + bucket) as u32) << LOWER_BITS)))
 }
 
 /// Buckets order as prices do. Prices below 0 count as 0, what is not a number as the highest.
@@ -109,10 +111,14 @@ mod tests {
     #[test]
     fn half_of_the_sites_are_not_above_the_median() {
         let queue = |prices: &[f64]| Queue::new(prices.iter().map(|&p| (p, ())));
-        assert_eq!(median(&queue(&[]).counts()), 0.0);
-        assert_eq!(median(&queue(&[0.0, 0.0, 5.0]).counts()), 0.0);
-        let middle = median(&queue(&[1.0, 2.0, 4.0, 1e9, 0.0]).counts());
-        assert!((1.77..=2.0).contains(&middle), "{middle}");
+        let median = |prices: &[f64], above| median_above(&queue(prices).counts(), above);
+        assert_eq!(median(&[], -1.0), None);
+        assert_eq!(median(&[0.0, 0.0, 5.0], -1.0), Some(0.0));
+        assert_eq!(median(&[0.0, 0.0], 0.0), None);
+        for above in [-1.0, 0.0, 0.5] {
+            let middle = median(&[1.0, 2.0, 4.0, 1e9, 0.0], above).unwrap();
+            assert!((1.77..=2.0).contains(&middle), "{middle} above {above}");
+        }
         let mut some = queue(&[1.0, 2.0, 4.0]);
         assert!(some.pop_until(1.5).is_some() && some.pop_until(1.5).is_none() && some.pop_until(4.0).is_some());
     }

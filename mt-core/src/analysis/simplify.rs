@@ -2,11 +2,12 @@
 
 use super::measure::Measure;
 use super::queue::Queue;
-use super::{Draft, Listener, Operator, Unfit};
 use super::regions::RegionOperator;
+use super::{Draft, Listener, Operator, Unfit};
 use crate::bits::Bits;
 use crate::check;
 use crate::explicit::{ErrorKind, Explicit, HistoryError, Recorder};
+use crate::id::VertexId;
 use crate::mesh::Mesh;
 use crate::plan::{Plan, Refusal, RefusalCounts};
 use std::time::{Duration, Instant};
@@ -209,7 +210,17 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
         self.refusals
     }
 
-    /// How many sites have each price, as [`super::queue::median`] takes it.
+    /// The vertices that may not be touched. Requires: work on a region.
+    pub(super) fn frozen(&self) -> &Bits {
+        &self.frozen.as_ref().expect("work on a region knows what is frozen").vertices
+    }
+
+    /// Whether sites wait that are dearer than the last price gone to.
+    pub(super) fn has_sites(&self) -> bool {
+        self.queue.counts().iter().any(|&count| count > 0)
+    }
+
+    /// How many sites have each price, as [`super::queue::median_above`] takes it.
     pub(super) fn price_counts(&self) -> Vec<usize> {
         self.queue.counts()
     }
@@ -308,6 +319,11 @@ impl<'a, const N: usize, O: Operator<N>> Work<'a, N, O> {
         self.again.clear();
         self.operator.applied(&self.draft, &mut self.aux, &self.plan, &mut self.again);
         if let Some(Frozen { vertices, is_free }) = &self.frozen {
+            let is_frozen = |v: &VertexId| v.0 < vertices.capacity() && vertices.contains(v.0);
+            debug_assert!(
+                !self.plan.retired.iter().chain(&self.plan.kept).any(is_frozen),
+                "a frozen vertex is touched"
+            );
             self.again.retain(|&site| is_free(site, vertices));
         }
         for &site in &self.again {

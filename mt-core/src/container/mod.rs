@@ -51,10 +51,17 @@ pub struct Meta {
     pub source: String,
     /// Why analysis ended.
     pub stopped: String,
+    /// Where it went region by region: how many vertices each had. 0 where it took the mesh as a whole.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub region_vertices: u32,
     /// Refused plans by reason.
     pub refusals: BTreeMap<String, u64>,
     /// What loading the input found and repaired, line by line.
     pub load_report: Vec<String>,
+}
+
+fn is_zero(count: &u32) -> bool {
+    *count == 0
 }
 
 /// Why bytes are not a model.

@@ -215,7 +215,8 @@ impl<const N: usize> Recorder<N> {
         cells: &[CellId],
     ) -> Result<(Vec<VertexId>, Vec<CellId>), HistoryError> {
         let named = |known: usize, own: usize, all: usize| (0..own - known).map(move |i| (all + i) as u32);
-        let (vertex_sum, cell_sum) = (self.positions.len() + part.positions.len(), self.corners.len() + part.corners.len());
+        let (vertex_sum, cell_sum) =
+            (self.positions.len() + part.positions.len(), self.corners.len() + part.corners.len());
         if vertex_sum >= u32::MAX as usize || cell_sum >= u32::MAX as usize {
             return Err(HistoryError::TooLarge);
         }

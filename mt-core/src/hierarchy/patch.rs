@@ -3,7 +3,7 @@
 use super::mesh::VertexMesh;
 use super::replay::Replay;
 use crate::bound::Cone;
-use crate::cell::Cell;
+use crate::cell::{Cell, is_short_cycle};
 use crate::id::{NodeId, VertexId};
 use crate::mesh::area_vector;
 use glam::Vec3;
@@ -21,19 +21,12 @@ pub(super) struct Surroundings {
     mark: u32,
 }
 
-/// Links of so many edges are walked by searching through all of them; longer ones are sorted first.
-const SHORT: usize = 24;
-
 impl Surroundings {
     /// Whether the triangles around `v` form one fan, open or closed, whose link passes no vertex twice.
     /// O(star log star).
     pub(super) fn is_umbrella(&mut self, mesh: &VertexMesh, v: VertexId) -> bool {
-        self.edges.clear();
-        self.edges.extend(mesh.faces.star(v).map(|(slot, i)| {
-            let cell = mesh.faces.cell(slot);
-            [cell[(i + 1) % 3], cell[(i + 2) % 3]]
-        }));
-        if self.is_short_cycle() {
+        mesh.faces.link_edges(v, &mut self.edges);
+        if is_short_cycle(&self.edges) {
             return true;
         }
         self.link.clear();
@@ -69,23 +62,6 @@ impl Surroundings {
             }
         }
         count
-    }
-
-    /// A quick yes: each edge of the link begins where just one other ends, and one walk takes in all of them.
-    fn is_short_cycle(&self) -> bool {
-        let edges = &self.edges;
-        if !(3..=SHORT).contains(&edges.len()) {
-            return false;
-        }
-        let [start, mut at] = edges[0];
-        let mut walked = 1;
-        while at != start && walked < edges.len() {
-            let mut from_here = edges.iter().filter(|edge| edge[0] == at);
-            let (Some(&[_, next]), None) = (from_here.next(), from_here.next()) else { return false };
-            at = next;
-            walked += 1;
-        }
-        at == start && walked == edges.len() && edges.iter().filter(|edge| edge[0] == start).count() == 1
     }
 
     /// How many vertices share a triangle with each of two. O(stars).

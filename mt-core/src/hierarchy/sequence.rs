@@ -134,7 +134,8 @@ impl RegionListener<3> for Sequence {
         cells: &[CellId],
     ) -> Result<(Vec<VertexId>, Vec<CellId>), HistoryError> {
         let (merges, nodes) = (self.merge_count(), self.node_count());
-        if u64::from(self.input_vertex_count) + u64::from(merges) + u64::from(part.merge_count()) >= u64::from(u32::MAX) {
+        if u64::from(self.input_vertex_count) + u64::from(merges) + u64::from(part.merge_count()) >= u64::from(u32::MAX)
+        {
             return Err(HistoryError::TooLarge);
         }
         let made = self.input_vertex_count + merges;
@@ -147,7 +148,10 @@ impl RegionListener<3> for Sequence {
         self.positions.extend_from_slice(&part.positions);
         self.errors.extend_from_slice(&part.errors);
         self.starts.extend(part.starts[1..].iter().map(|start| nodes + start));
-        part.kept.iter().take_while(|&merge| merge < part.merge_count()).for_each(|merge| self.mark_kept(merges + merge));
+        part.kept
+            .iter()
+            .take_while(|&merge| merge < part.merge_count())
+            .for_each(|merge| self.mark_kept(merges + merge));
         // Where nothing was merged nobody was named.
         let names = if part.names.is_empty() { vertices.to_vec() } else { part.names.iter().map(name).collect() };
         // Merges move the corners of cells; each stays what it was.

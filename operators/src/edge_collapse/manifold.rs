@@ -1,18 +1,29 @@
 //! Is it a manifold? Judged by umbrellas at vertices, not by counting edges.
 
 use mt_core::analysis::Unfit;
+use mt_core::cell::is_short_cycle;
 use mt_core::{Bits, Complex, Slot, VertexId};
 
 /// An edge of a manifold.
 pub(crate) struct ManifoldEdge {
     /// Its ends, ascending.
     pub(crate) ends: [VertexId; 2],
-    /// One of its triangles.
-    pub(crate) slot: Slot,
-    /// Whether it has no other.
-    pub(crate) on_boundary: bool,
+    /// Its triangle, where it has only one.
+    border: Option<Slot>,
     /// Whether its triangles pass it in opposite directions; also true on the boundary.
     pub(crate) coherent: bool,
+}
+
+impl ManifoldEdge {
+    /// An edge with a triangle on either side, which agree on them.
+    fn inner(ends: [VertexId; 2]) -> Self {
+        Self { ends, border: None, coherent: true }
+    }
+
+    /// The edge and its triangle, where it has only one.
+    pub(crate) fn on_border(&self) -> Option<(&Self, Slot)> {
+        Some((self, self.border?))
+    }
 }
 
 /// All edges by their lower ends, or what is in the way: edges with more than two triangles, vertices with more than one
@@ -22,6 +33,14 @@ pub(crate) fn check(complex: &Complex<3>) -> Result<Vec<ManifoldEdge>, Unfit> {
     let (mut bad_edges, mut bad_vertices) = (Vec::new(), Vec::new());
     let (mut sides, mut walk) = (Vec::new(), Vec::new());
     for v in (0..complex.vertex_count()).map(VertexId::new).filter(|&v| complex.has_star(v)) {
+        complex.link_edges(v, &mut walk);
+        if is_short_cycle(&walk) {
+            // Each neighbour begins one edge of the link, and the edge to it has the triangle before and that after.
+            let from = edges.len();
+            edges.extend(walk.iter().filter(|side| side[0] > v).map(|&[w, _]| ManifoldEdge::inner([v, w])));
+            edges[from..].sort_unstable_by_key(|edge| edge.ends);
+            continue;
+        }
         sides_above(complex, v, &mut sides);
         for run in sides.chunk_by(|a, b| a.0 == b.0) {
             let ends = [v, run[0].0];
@@ -29,9 +48,9 @@ pub(crate) fn check(complex: &Complex<3>) -> Result<Vec<ManifoldEdge>, Unfit> {
                 bad_edges.push(ends);
             }
             let coherent = run.len() == 1 || run[0].1 != run[1].1;
-            edges.push(ManifoldEdge { ends, slot: run[0].2, on_boundary: run.len() == 1, coherent });
+            edges.push(ManifoldEdge { ends, border: (run.len() == 1).then_some(run[0].2), coherent });
         }
-        if !one_umbrella(complex, v, &mut walk) {
+        if !one_umbrella(&mut walk) {
             bad_vertices.push(v);
         }
     }
@@ -66,21 +85,16 @@ fn places(names: impl Iterator<Item = String>, count: usize) -> String {
     }
 }
 
-/// Whether the triangles around `v` are linked across edges into one piece. O(degree²).
-fn one_umbrella(complex: &Complex<3>, v: VertexId, walk: &mut Vec<(VertexId, VertexId)>) -> bool {
-    walk.clear();
-    walk.extend(complex.star(v).map(|(slot, i)| {
-        let cell = complex.cell(slot);
-        (cell[(i + 1) % 3], cell[(i + 2) % 3])
-    }));
+/// Whether the triangles of this link are linked across edges into one piece. Sorts the link. O(degree²).
+fn one_umbrella(walk: &mut [[VertexId; 2]]) -> bool {
     // Sort the opposite edges into a chain that grows at its reached end.
     let mut reached = 1;
     let mut at = 0;
     while at < reached {
-        let (a, b) = walk[at];
+        let [a, b] = walk[at];
         let mut other = reached;
         while other < walk.len() {
-            let (c, d) = walk[other];
+            let [c, d] = walk[other];
             if c == a || c == b || d == a || d == b {
                 walk.swap(reached, other);
                 reached += 1;

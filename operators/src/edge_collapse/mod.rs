@@ -112,8 +112,8 @@ impl<M: Metric> Operator<3> for EdgeCollapse<M> {
         let vertices = draft.positions.len();
         let mut on_boundary = vec![false; vertices];
         let mut boundary = Vec::new();
-        for edge in edges.iter().filter(|edge| edge.on_boundary) {
-            boundary.push(BoundaryEdge { ends: edge.ends, cell: *draft.complex.cell(edge.slot) });
+        for (edge, slot) in edges.iter().filter_map(manifold::ManifoldEdge::on_border) {
+            boundary.push(BoundaryEdge { ends: edge.ends, cell: *draft.complex.cell(slot) });
             edge.ends.iter().for_each(|v| on_boundary[v.index()] = true);
         }
         sites.extend(edges.iter().map(|edge| Edge { a: edge.ends[0], b: edge.ends[1], stamp: 0, second: false }));
@@ -121,7 +121,7 @@ impl<M: Metric> Operator<3> for EdgeCollapse<M> {
             metric: self.metric.prepare(draft, &Boundary { edges: &boundary, weight: self.boundary_weight })?,
             on_boundary,
             coherent: edges.iter().all(|edge| edge.coherent),
-            stamps: if self.changes_prices() { vec![0; vertices] } else { Vec::new() },
+            stamps: self.stamps(vertices),
         })
     }
 
@@ -220,6 +220,11 @@ impl<M: Metric> EdgeCollapse<M> {
             Placement::Optimal if site.second => Target { offer: offer(Place::Middle), kept: None },
             Placement::Optimal => Target { offer: offer(Place::Best), kept: None },
         }
+    }
+
+    /// Stamps of so many vertices, where they are needed.
+    fn stamps(&self, vertices: usize) -> Vec<u32> {
+        if self.changes_prices() { vec![0; vertices] } else { Vec::new() }
     }
 
     /// Whether the price of an edge may change while both of its ends are there.

@@ -1,7 +1,7 @@
 //! Edge collapse on regions of a mesh: what is kept of a vertex, and which edges a region has.
 
 use super::{Aux, Edge, EdgeCollapse};
-use crate::metric::Metric;
+use crate::metric::RegionMetric;
 use mt_core::analysis::{Draft, RegionOperator};
 use mt_core::{Bits, VertexId};
 
@@ -12,7 +12,7 @@ pub struct Memory<T> {
     on_boundary: bool,
 }
 
-impl<M: Metric<State: Send + Sync> + Sync> RegionOperator<3> for EdgeCollapse<M> {
+impl<M: RegionMetric> RegionOperator<3> for EdgeCollapse<M> {
     type Memory = Memory<M::Memory>;
 
     fn recall(&self, aux: &Self::Aux, v: VertexId) -> Self::Memory {
@@ -20,12 +20,11 @@ impl<M: Metric<State: Send + Sync> + Sync> RegionOperator<3> for EdgeCollapse<M>
     }
 
     fn resume(&self, of: &Self::Aux, memories: &[Self::Memory]) -> Self::Aux {
-        let known: Vec<_> = memories.iter().map(|memory| memory.metric).collect();
         Aux {
-            metric: self.metric.resume(&of.metric, &known),
+            metric: self.metric.resume(&of.metric, memories.iter().map(|memory| memory.metric)),
             on_boundary: memories.iter().map(|memory| memory.on_boundary).collect(),
             coherent: of.coherent,
-            stamps: if self.changes_prices() { vec![0; memories.len()] } else { Vec::new() },
+            stamps: self.stamps(memories.len()),
         }
     }
 

@@ -60,9 +60,9 @@ impl Aux {
             }
             area += 0.5 * area_vector(corners).length();
         }
-        for edge in edges.iter().filter(|edge| edge.on_boundary) {
+        for (edge, slot) in edges.iter().filter_map(ManifoldEdge::on_border) {
             let [a, b] = edge.ends.map(position);
-            let upright = area_vector(draft.complex.cell(edge.slot).map(position));
+            let upright = area_vector(draft.complex.cell(slot).map(position));
             let quadric = Quadric::of_boundary_edge(a, b, upright, fan.boundary_weight);
             for v in edge.ends {
                 aux.quadrics[v.index()] += quadric;
@@ -87,8 +87,8 @@ impl Aux {
             (0..3).for_each(|i| self.put_in(fan, draft, cell[(i + 1) % 3], cell[i]));
         }
         // The last neighbour of a boundary vertex does not come next after it in any cell.
-        for edge in edges.iter().filter(|edge| edge.on_boundary) {
-            let cell = draft.complex.cell(edge.slot);
+        for (edge, slot) in edges.iter().filter_map(ManifoldEdge::on_border) {
+            let cell = draft.complex.cell(slot);
             let [a, b] = edge.ends;
             let forward = (0..3).any(|i| cell[i] == a && cell[(i + 1) % 3] == b);
             let [first, second] = if forward { [a, b] } else { [b, a] };

@@ -1,7 +1,7 @@
 //! A metric chosen by name while the program runs.
 
 use super::{
-    AttributePair, AttributeQuadric, AttributeState, Boundary, Displacements, EdgeLength, LindstromTurk, Memoryless, Merge, Metric,
+    AttributePair, AttributeState, Boundary, Displacements, EdgeLength, LindstromTurk, Memoryless, Merge, Metric,
     Offer, Place, Quadric, QuadricAttributes, Quadrics, Surroundings,
 };
 use mt_core::VertexId;
@@ -10,7 +10,7 @@ use std::str::FromStr;
 
 /// Writes the enum of all metrics and passes every question on to the one that it is.
 macro_rules! any_metric {
-    ($($(#[$doc:meta])* $variant:ident($metric:ty, $state:ty, $pair:ty, $memory:ty) = $default:expr,)+) => {
+    ($($(#[$doc:meta])* $variant:ident($metric:ty, $state:ty, $pair:ty) = $default:expr,)+) => {
         /// Any of the metrics. Each question costs a branch, so where the metric is known beforehand, name its type.
         #[derive(Clone, Debug, PartialEq)]
         pub enum AnyMetric { $($(#[$doc])* $variant($metric),)+ }
@@ -23,10 +23,6 @@ macro_rules! any_metric {
         #[derive(Clone, Debug)]
         pub enum AnyPair { $($(#[$doc])* $variant($pair),)+ }
 
-        /// What any metric keeps for a vertex.
-        #[derive(Copy, Clone, Debug)]
-        pub enum AnyMemory { $($(#[$doc])* $variant($memory),)+ }
-
         impl AnyMetric {
             /// Each of them with its default settings, in the order in which they are listed.
             pub const ALL: &[Self] = &[$(Self::$variant($default),)+];
@@ -35,7 +31,6 @@ macro_rules! any_metric {
         impl Metric for AnyMetric {
             type State = AnyState;
             type Pair = AnyPair;
-            type Memory = AnyMemory;
 
             fn name(&self) -> &'static str {
                 match self { $(Self::$variant(metric) => metric.name(),)+ }
@@ -71,28 +66,6 @@ macro_rules! any_metric {
                     _ => unreachable!("{MIXED}"),
                 }
             }
-
-            fn recall(&self, state: &AnyState, v: VertexId) -> AnyMemory {
-                match (self, state) {
-                    $((Self::$variant(metric), AnyState::$variant(state)) => {
-                        AnyMemory::$variant(metric.recall(state, v))
-                    })+
-                    _ => unreachable!("{MIXED}"),
-                }
-            }
-
-            fn resume(&self, of: &AnyState, memories: &[AnyMemory]) -> AnyState {
-                match (self, of) {
-                    $((Self::$variant(metric), AnyState::$variant(of)) => {
-                        let own = |memory: &AnyMemory| match memory {
-                            AnyMemory::$variant(memory) => *memory,
-                            _ => unreachable!("{MIXED}"),
-                        };
-                        AnyState::$variant(metric.resume(of, &memories.iter().map(own).collect::<Vec<_>>()))
-                    })+
-                    _ => unreachable!("{MIXED}"),
-                }
-            }
         }
     };
 }
@@ -101,13 +74,13 @@ const MIXED: &str = "a metric is asked with the state of another";
 
 any_metric! {
     /// [`Quadrics`].
-    Quadric(Quadrics, Vec<Quadric>, Quadric, Quadric) = Quadrics,
+    Quadric(Quadrics, Vec<Quadric>, Quadric) = Quadrics,
     /// [`QuadricAttributes`] of three attributes.
-    QuadricAttributes(QuadricAttributes<3>, AttributeState<3>, AttributePair<3>, (AttributeQuadric<3>, [f64; 3])) = QuadricAttributes::NORMALS,
+    QuadricAttributes(QuadricAttributes<3>, AttributeState<3>, AttributePair<3>) = QuadricAttributes::NORMALS,
     /// [`LindstromTurk`].
-    LindstromTurk(LindstromTurk, Memoryless, Surroundings, (f32, bool)) = LindstromTurk::DEFAULT,
+    LindstromTurk(LindstromTurk, Memoryless, Surroundings) = LindstromTurk::DEFAULT,
     /// [`EdgeLength`].
-    EdgeLength(EdgeLength, Displacements, [f32; 2], f32) = EdgeLength,
+    EdgeLength(EdgeLength, Displacements, [f32; 2]) = EdgeLength,
 }
 
 impl Default for AnyMetric {

@@ -7,7 +7,7 @@
 //! where a direction that the planes leave open stays at its old value and costs nothing.
 
 use super::quadric::{Quadric, optimal};
-use super::{Boundary, Merge, Metric, Offer, Place, diagonal, ends_of, fixed, put};
+use super::{Boundary, Merge, Metric, Offer, Place, RegionMetric, diagonal, ends_of, fixed, put};
 use glam::{DVec3, Vec3};
 use mt_core::VertexId;
 use mt_core::analysis::{Draft, Unfit};
@@ -234,8 +234,6 @@ pub struct AttributePair<const K: usize> {
 impl<const K: usize> Metric for QuadricAttributes<K> {
     type State = AttributeState<K>;
     type Pair = AttributePair<K>;
-    /// Quadric and attributes.
-    type Memory = (AttributeQuadric<K>, [f64; K]);
 
     fn name(&self) -> &'static str {
         "quadric-attributes"
@@ -299,13 +297,18 @@ impl<const K: usize> Metric for QuadricAttributes<K> {
         };
         put(&mut state.vertices, merge.into, (pair.sum, attributes));
     }
+}
+
+impl<const K: usize> RegionMetric for QuadricAttributes<K> {
+    /// Quadric and attributes.
+    type Memory = (AttributeQuadric<K>, [f64; K]);
 
     fn recall(&self, state: &AttributeState<K>, v: VertexId) -> Self::Memory {
         state.vertices[v.index()]
     }
 
-    fn resume(&self, of: &AttributeState<K>, memories: &[Self::Memory]) -> AttributeState<K> {
-        AttributeState { middle: of.middle, vertices: memories.to_vec() }
+    fn resume(&self, of: &AttributeState<K>, memories: impl Iterator<Item = Self::Memory>) -> AttributeState<K> {
+        AttributeState { middle: of.middle, vertices: memories.collect() }
     }
 }
 

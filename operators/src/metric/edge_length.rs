@@ -1,6 +1,6 @@
 //! The shortest edge first: what every other metric has to beat.
 
-use super::{Boundary, Merge, Metric, Offer, Place, ends_of, fixed, put};
+use super::{Boundary, Merge, Metric, Offer, Place, RegionMetric, ends_of, fixed, put};
 use mt_core::VertexId;
 use mt_core::analysis::{Draft, Unfit};
 
@@ -21,7 +21,6 @@ impl Metric for EdgeLength {
     type State = Displacements;
     /// The displacements of both.
     type Pair = [f32; 2];
-    type Memory = f32;
 
     fn name(&self) -> &'static str {
         "edge-length"
@@ -49,12 +48,16 @@ impl Metric for EdgeLength {
         let [a, b] = merge.ends.map(from);
         put(&mut state.0, merge.into, a.max(b) as f32);
     }
+}
+
+impl RegionMetric for EdgeLength {
+    type Memory = f32;
 
     fn recall(&self, state: &Displacements, v: VertexId) -> f32 {
         state.0[v.index()]
     }
 
-    fn resume(&self, _: &Displacements, memories: &[f32]) -> Displacements {
-        Displacements(memories.to_vec())
+    fn resume(&self, _: &Displacements, memories: impl Iterator<Item = f32>) -> Displacements {
+        Displacements(memories.collect())
     }
 }

@@ -12,7 +12,7 @@
 
 use super::constraints::Constraints;
 use super::quadric::Quadric;
-use super::{Boundary, Merge, Metric, Offer, Place, diagonal, ends_of, fixed, put};
+use super::{Boundary, Merge, Metric, Offer, Place, RegionMetric, diagonal, ends_of, fixed, put};
 use glam::{DMat3, DVec3};
 use mt_core::VertexId;
 use mt_core::analysis::{Draft, Unfit};
@@ -81,8 +81,6 @@ pub struct Surroundings {
 impl Metric for LindstromTurk {
     type State = Memoryless;
     type Pair = Surroundings;
-    /// Error and whether it is on the boundary.
-    type Memory = (f32, bool);
 
     fn name(&self) -> &'static str {
         "lindstrom-turk"
@@ -130,13 +128,18 @@ impl Metric for LindstromTurk {
         put(&mut state.on_boundary, merge.into, on_boundary);
         put(&mut state.errors, merge.into, error);
     }
+}
+
+impl RegionMetric for LindstromTurk {
+    /// Error and whether it is on the boundary.
+    type Memory = (f32, bool);
 
     fn recall(&self, state: &Memoryless, v: VertexId) -> (f32, bool) {
         (state.errors[v.index()], state.on_boundary[v.index()])
     }
 
-    fn resume(&self, of: &Memoryless, memories: &[(f32, bool)]) -> Memoryless {
-        let (errors, on_boundary) = memories.iter().copied().unzip();
+    fn resume(&self, of: &Memoryless, memories: impl Iterator<Item = (f32, bool)>) -> Memoryless {
+        let (errors, on_boundary) = memories.unzip();
         Memoryless { errors, on_boundary, coherent: of.coherent, scale: of.scale }
     }
 }

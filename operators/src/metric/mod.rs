@@ -20,7 +20,7 @@ mod edge_length;
 mod lindstrom_turk;
 mod quadric;
 
-pub use any::{AnyMemory, AnyMetric, AnyPair, AnyState, UnknownMetric};
+pub use any::{AnyMetric, AnyPair, AnyState, UnknownMetric};
 pub use attributes::{AttributePair, AttributeQuadric, AttributeState, QuadricAttributes};
 pub use edge_length::{Displacements, EdgeLength};
 pub use lindstrom_turk::{LindstromTurk, Memoryless, Surroundings};
@@ -92,8 +92,6 @@ pub trait Metric {
     type State;
     /// What the metric knows of two vertices taken together; made once, asked for several places.
     type Pair;
-    /// What is kept for one vertex, where an analysis goes by regions.
-    type Memory: Copy + Send + Sync;
 
     /// The metric's name in reports and on command lines.
     fn name(&self) -> &'static str;
@@ -116,12 +114,18 @@ pub trait Metric {
     /// Hears that two vertices have become one; `draft` is as it is after that, and still has the positions of both.
     /// Several that become one are told one after the other.
     fn merged(&self, draft: &Draft<3>, state: &mut Self::State, merge: &Merge);
+}
+
+/// A metric whose state can be told vertex by vertex, as an analysis by regions needs it.
+pub trait RegionMetric: Metric<State: Send + Sync> + Sync {
+    /// What is kept for one vertex.
+    type Memory: Copy + Send + Sync;
 
     /// What is kept for `v`.
     fn recall(&self, state: &Self::State, v: VertexId) -> Self::Memory;
 
     /// The state of vertices with these memories. What holds for the whole mesh is as in `of`.
-    fn resume(&self, of: &Self::State, memories: &[Self::Memory]) -> Self::State;
+    fn resume(&self, of: &Self::State, memories: impl Iterator<Item = Self::Memory>) -> Self::State;
 }
 
 /// Length of the diagonal of the box around all positions.

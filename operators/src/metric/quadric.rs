@@ -4,7 +4,7 @@
 //! `sqrt(value / weight)` is a root mean square distance in model units. Deviation from the paper: planes are weighted
 //! by area (as in Garland's thesis), boundary planes by squared length times a factor that the caller chooses.
 
-use super::{Boundary, Merge, Metric, Offer, Place, ends_of, fixed, put};
+use super::{Boundary, Merge, Metric, Offer, Place, RegionMetric, ends_of, fixed, put};
 use glam::{DMat3, DVec3};
 use mt_core::VertexId;
 use mt_core::analysis::{Draft, Unfit};
@@ -184,7 +184,6 @@ pub struct Quadrics;
 impl Metric for Quadrics {
     type State = Vec<Quadric>;
     type Pair = Quadric;
-    type Memory = Quadric;
 
     fn name(&self) -> &'static str {
         "quadric"
@@ -227,13 +226,17 @@ impl Metric for Quadrics {
         let sum = quadrics[a.index()] + quadrics[b.index()];
         put(quadrics, merge.into, sum);
     }
+}
+
+impl RegionMetric for Quadrics {
+    type Memory = Quadric;
 
     fn recall(&self, quadrics: &Vec<Quadric>, v: VertexId) -> Quadric {
         quadrics[v.index()]
     }
 
-    fn resume(&self, _: &Vec<Quadric>, memories: &[Quadric]) -> Vec<Quadric> {
-        memories.to_vec()
+    fn resume(&self, _: &Vec<Quadric>, memories: impl Iterator<Item = Quadric>) -> Vec<Quadric> {
+        memories.collect()
     }
 }
 

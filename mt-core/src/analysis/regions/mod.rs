@@ -14,6 +14,7 @@
 mod partition;
 mod residue;
 mod round;
+mod schedule;
 
 use super::simplify::check_kind;
 use super::{AnalysisError, Draft, Ended, Listener, Operator, Options, Progress, Stopped};
@@ -22,9 +23,9 @@ use crate::explicit::{ErrorKind, HistoryError};
 use crate::id::{CellId, VertexId};
 use crate::mesh::Mesh;
 use crate::plan::RefusalCounts;
-use partition::{Partition, Soup};
-use rayon::ThreadPool;
-use round::{Limit, Round};
+use partition::{Partition, Remnant};
+use round::Job;
+use schedule::{Came, Schedule};
 
 /// An operator that can work on a region of a mesh while others work on the rest.
 ///
@@ -54,6 +55,8 @@ pub trait RegionListener<const N: usize>: Listener<N> + Send + Sized {
 
     /// Tells all that `part` has heard. Its vertices and cells are called `vertices` and `cells` here; told back are the
     /// names of all vertices of the region's draft, and of all cells by the names that the draft has for them.
+    ///
+    /// Requires: `vertices` and `cells` name those of the region, each once, and all of them are there.
     fn append(
         &mut self,
         part: Self,
@@ -65,7 +68,7 @@ pub trait RegionListener<const N: usize>: Listener<N> + Send + Sized {
 /// How a mesh is cut.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct Regions {
-    /// About how many vertices a region has. The result depends on it.
+    /// About how many vertices a region has, at least 16. The result depends on it.
     pub vertices: u32,
     /// Threads to use, 0 for as many as there are cores. The result does not depend on it.
     pub threads: usize,
@@ -81,12 +84,15 @@ impl Default for Regions {
 
 /// Rounds are over when so many regions' worth of vertices is left.
 const LAST_REGIONS: usize = 4;
-/// By how much the price rises from round to round. On a smooth surface prices rise with the sixth power of the edge
-/// length, so this is a third of the triangles.
-const RISE: f64 = 27.0;
+/// Fewer vertices than this are no region.
+const VERTICES_MIN: usize = 16;
 
 /// Coarsens `mesh` by `operator`, region by region, and tells `listener` of every modification: see [`super::analyse`] for
-/// the rest. O(cells log cells), in so many bytes a cell as the operator remembers of half a vertex, and about 100 more.
+/// the rest. `watch` hears of progress between some regions; what was told by the time it stops is a history of its own,
+/// and the same for any number of threads.
+///
+/// O(cells log cells). Bytes besides what the listener keeps: about 60 a cell, and for each vertex 50 and what the
+/// operator remembers.
 pub fn analyse_by_regions<const N: usize, O: RegionOperator<N>, L: RegionListener<N>>(
     mesh: &Mesh<N>,
     operator: &O,
@@ -101,65 +107,49 @@ pub fn analyse_by_regions<const N: usize, O: RegionOperator<N>, L: RegionListene
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(regions.threads).build();
     let pool = pool.map_err(|error| AnalysisError::Threads(error.to_string()))?;
-    let size = (regions.vertices as usize).max(16);
-    by_rounds(mesh, operator, options, (size, &pool), listener, watch)
-}
-
-fn by_rounds<const N: usize, O: RegionOperator<N>, L: RegionListener<N>>(
-    mesh: &Mesh<N>,
-    operator: &O,
-    options: &Options,
-    (size, pool): (usize, &ThreadPool),
-    listener: &mut L,
-    watch: &mut dyn FnMut(Progress) -> bool,
-) -> Result<Ended, AnalysisError> {
+    let size = (regions.vertices as usize).max(VERTICES_MIN);
     let cells_in = mesh.cell_count();
-    let mut partition = pool.install(|| Partition::new(Soup::of(mesh), size, 0));
-    let (whole, memories) = prepare(mesh, operator, &partition.soup)?;
-    partition.soup.memories = memories;
     let mut refusals = RefusalCounts::default();
-    let mut price = 0.0;
-    let mut rise = RISE;
+    let ended = |refusals, stopped| Ok(Ended { refusals, stopped });
+    if !watch(Progress { cells_in, cells: cells_in }) {
+        return ended(refusals, Stopped::Cancelled);
+    }
+    let (whole, remnant) = prepare(mesh, operator)?;
+    let mut partition = pool.install(|| Partition::new(remnant, size, 0));
+    let mut schedule = Schedule::default();
     for number in 1.. {
-        let cells = partition.soup.cells.len();
-        let is_last = partition.soup.positions.len() <= LAST_REGIONS * size || price == f64::INFINITY;
-        if is_last {
-            partition = Partition::whole(partition.soup);
+        let cells = partition.left.cells.len();
+        if options.until_cells.is_some_and(|wanted| cells <= wanted as usize) {
+            return ended(refusals, Stopped::Cells);
         }
-        let round = Round { operator, options, whole: &whole, partition: &partition, cells_in, pool };
-        price = if is_last { f64::INFINITY } else { f64::max(price * rise, round.usual_price()) };
-        let done = round.run(Limit { price, is_last }, listener, watch)?;
+        let job = Job { operator, options, whole: &whole, cells_in, pool: &pool };
+        let is_small = partition.left.positions.len() <= LAST_REGIONS * size;
+        let price =
+            if is_small { f64::INFINITY } else { schedule.next(|above| round::usual_price(&job, &partition, above)) };
+        if price == f64::INFINITY {
+            let (last, stopped) = round::last(&job, &Partition::whole(partition.left), listener, watch)?;
+            refusals.add_all(&last);
+            return ended(refusals, stopped);
+        }
+        let done = round::run(&job, &partition, price, listener, watch)?;
         refusals.add_all(&done.refusals);
-        if is_last || done.stopped == Stopped::Cancelled {
-            return Ok(Ended { refusals, stopped: done.stopped });
+        if done.is_cancelled {
+            return ended(refusals, Stopped::Cancelled);
         }
-        // Where little came of it, be bolder; where nothing comes of boldness, all that is left is one region.
-        let left = done.soup.cells.len();
-        rise = if left * 4 > cells * 3 { rise * RISE } else { RISE };
-        if left == cells && rise > RISE.powi(6) {
-            price = f64::INFINITY;
-        }
-        partition = pool.install(|| Partition::new(done.soup, size, number));
+        schedule.came(Came { cells_before: cells, cells_after: done.left.cells.len(), more: done.more });
+        partition = pool.install(|| Partition::new(done.left, size, number));
     }
     unreachable!("the last round returns")
 }
 
-/// The operator's look at the whole mesh, in the order in which the soup has it, which is kinder to the cache.
+/// The operator's look at the whole mesh: what holds for all of it, and what it knows of each vertex.
 fn prepare<const N: usize, O: RegionOperator<N>>(
     mesh: &Mesh<N>,
     operator: &O,
-    soup: &Soup<N, O::Memory>,
-) -> Result<(O::Aux, Vec<O::Memory>), AnalysisError> {
-    let draft = Draft { complex: crate::Complex::new(soup.positions.len(), &soup.cells), positions: soup.positions.clone() };
+) -> Result<(O::Aux, Remnant<N, O::Memory>), AnalysisError> {
     let mut sites = Vec::new();
-    let Ok(aux) = operator.prepare(&draft, &mut sites) else {
-        // What is in the way is told by the names that the caller knows.
-        return match operator.prepare(&Draft::new(mesh), &mut sites) {
-            Err(unfit) => Err(unfit.into()),
-            Ok(_) => unreachable!("what an operator takes does not depend on how vertices are numbered"),
-        };
-    };
-    drop((draft, sites));
-    let memories = (0..soup.positions.len()).map(|v| operator.recall(&aux, VertexId::new(v))).collect();
-    Ok((operator.resume(&aux, &[]), memories))
+    let aux = operator.prepare(&Draft::new(mesh), &mut sites)?;
+    drop(sites);
+    let memories = (0..mesh.positions.len()).map(|v| operator.recall(&aux, VertexId::new(v))).collect();
+    Ok((operator.resume(&aux, &[]), Remnant::of(mesh, memories)))
 }

@@ -4,12 +4,12 @@ use crate::bits::Bits;
 use crate::cell::Cell;
 use crate::id::{CellId, VertexId};
 use crate::mesh::Mesh;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// What is left: vertices that cells have, with what the operator knows of them, and cells. Names are the listener's.
-pub(super) struct Soup<const N: usize, M> {
+pub(super) struct Remnant<const N: usize, M> {
     pub(super) positions: Vec<Vec3>,
     pub(super) memories: Vec<M>,
     pub(super) names: Vec<VertexId>,
@@ -17,12 +17,12 @@ pub(super) struct Soup<const N: usize, M> {
     pub(super) cell_names: Vec<CellId>,
 }
 
-impl<const N: usize, M: Copy> Soup<N, M> {
-    /// The input; no memories yet.
-    pub(super) fn of(mesh: &Mesh<N>) -> Self {
+impl<const N: usize, M: Copy> Remnant<N, M> {
+    /// All of the input.
+    pub(super) fn of(mesh: &Mesh<N>, memories: Vec<M>) -> Self {
         Self {
             positions: mesh.positions.clone(),
-            memories: Vec::new(),
+            memories,
             names: (0..mesh.positions.len()).map(VertexId::new).collect(),
             cells: mesh.cells.clone(),
             cell_names: (0..mesh.cells.len()).map(CellId::new).collect(),
@@ -46,9 +46,7 @@ impl<const N: usize, M: Copy> Soup<N, M> {
         order.iter().enumerate().for_each(|(i, &v)| number[v as usize] = i as u32);
         self.positions = order.iter().map(|&v| self.positions[v as usize]).collect();
         self.names = order.iter().map(|&v| self.names[v as usize]).collect();
-        if !self.memories.is_empty() {
-            self.memories = order.iter().map(|&v| self.memories[v as usize]).collect();
-        }
+        self.memories = order.iter().map(|&v| self.memories[v as usize]).collect();
         self.cells.par_iter_mut().for_each(|cell| cell.iter_mut().for_each(|v| v.0 = number[v.index()]));
     }
 
@@ -59,9 +57,9 @@ impl<const N: usize, M: Copy> Soup<N, M> {
     }
 }
 
-/// A soup cut into regions: vertices and cells of a region are runs. Cells that reach into several come last.
+/// A left cut into regions: vertices and cells of a region are runs. Cells that reach into several come last.
 pub(super) struct Partition<const N: usize, M> {
-    pub(super) soup: Soup<N, M>,
+    pub(super) left: Remnant<N, M>,
     /// Vertices of each region but the last.
     size: usize,
     /// Where the cells of each region begin, and where those of the last end.
@@ -72,21 +70,26 @@ pub(super) struct Partition<const N: usize, M> {
 
 impl<const N: usize, M: Copy + Send + Sync> Partition<N, M> {
     /// Cuts into regions of about `size` vertices; each `round` cuts elsewhere.
-    pub(super) fn new(mut soup: Soup<N, M>, size: usize, round: u32) -> Self {
-        let order = along_curve(&soup.positions, round);
-        soup.renumber(&order);
+    pub(super) fn new(mut left: Remnant<N, M>, size: usize, round: u32) -> Self {
+        let order = along_curve(&left.positions, round);
+        left.renumber(&order);
         drop(order);
-        let vertices = soup.positions.len();
+        let vertices = left.positions.len();
         let regions = vertices.div_ceil(size).max(1);
-        let mut partition = Self { soup, size: vertices.div_ceil(regions).max(1), cell_starts: Vec::new(), frozen: Bits::new(vertices as u32) };
+        let mut partition = Self {
+            left,
+            size: vertices.div_ceil(regions).max(1),
+            cell_starts: Vec::new(),
+            frozen: Bits::new(vertices as u32),
+        };
         partition.sort_cells(regions);
         partition
     }
 
     /// One region with all of it.
-    pub(super) fn whole(soup: Soup<N, M>) -> Self {
-        let (vertices, cells) = (soup.positions.len(), soup.cells.len());
-        Self { soup, size: vertices.max(1), cell_starts: vec![0, cells], frozen: Bits::new(vertices as u32) }
+    pub(super) fn whole(left: Remnant<N, M>) -> Self {
+        let (vertices, cells) = (left.positions.len(), left.cells.len());
+        Self { left, size: vertices.max(1), cell_starts: vec![0, cells], frozen: Bits::new(vertices as u32) }
     }
 
     /// Number of regions.
@@ -96,7 +99,7 @@ impl<const N: usize, M: Copy + Send + Sync> Partition<N, M> {
 
     /// The vertices of a region.
     pub(super) fn vertices(&self, region: usize) -> Range<usize> {
-        let count = self.soup.positions.len();
+        let count = self.left.positions.len();
         (region * self.size).min(count)..((region + 1) * self.size).min(count)
     }
 
@@ -107,7 +110,7 @@ impl<const N: usize, M: Copy + Send + Sync> Partition<N, M> {
 
     /// The cells of no region.
     pub(super) fn between(&self) -> Range<usize> {
-        self.cell_starts[self.len()]..self.soup.cells.len()
+        self.cell_starts[self.len()]..self.left.cells.len()
     }
 
     /// The region that all corners of a cell are in; `regions` where there are several.
@@ -117,7 +120,7 @@ impl<const N: usize, M: Copy + Send + Sync> Partition<N, M> {
     }
 
     fn sort_cells(&mut self, regions: usize) {
-        let of: Vec<u32> = self.soup.cells.par_iter().map(|cell| self.region_of(cell, regions) as u32).collect();
+        let of: Vec<u32> = self.left.cells.par_iter().map(|cell| self.region_of(cell, regions) as u32).collect();
         let mut starts = vec![0usize; regions + 2];
         of.iter().for_each(|&region| starts[region as usize + 1] += 1);
         (0..=regions).for_each(|i| starts[i + 1] += starts[i]);
@@ -128,11 +131,11 @@ impl<const N: usize, M: Copy + Send + Sync> Partition<N, M> {
             order[*at] = i as u32;
             *at += 1;
         }
-        self.soup.reorder_cells(&order);
+        self.left.reorder_cells(&order);
         starts.truncate(regions + 1);
         self.cell_starts = starts;
         for i in self.between() {
-            self.soup.cells[i].iter().for_each(|v| _ = self.frozen.insert(v.0));
+            self.left.cells[i].iter().for_each(|v| _ = self.frozen.insert(v.0));
         }
     }
 }
@@ -142,14 +145,16 @@ impl<const N: usize, M: Copy + Send + Sync> Partition<N, M> {
 fn along_curve(positions: &[Vec3], round: u32) -> Vec<u32> {
     let Some(&first) = positions.first() else { return Vec::new() };
     let (low, high) = positions.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
-    let size = (high - low).max_element().max(f32::MIN_POSITIVE);
+    // In double precision, which holds the extent of whatever single precision holds.
+    let (low, high) = (low.as_dvec3(), high.as_dvec3());
+    let size = (high - low).max_element().max(f64::from(f32::MIN_POSITIVE));
     // Multiples of an irrational number never come back to the same place.
-    let golden = 0.618_034_f32;
-    let shift = |axis: u32| size * ((round * 3 + axis + 1) as f32 * golden).fract();
-    let corner = low - Vec3::new(shift(0), shift(1), shift(2));
-    let cells_per_unit = ((1u32 << BITS) - 1) as f32 / (2.0 * size);
+    let golden = 0.618_033_988_749_895;
+    let shift = |axis: u32| size * (f64::from(round * 3 + axis + 1) * golden).fract();
+    let corner = low - DVec3::new(shift(0), shift(1), shift(2));
+    let steps = f64::from((1u32 << BITS) - 1);
     let code = |p: Vec3| {
-        let at = ((p - corner) * cells_per_unit).clamp(Vec3::ZERO, Vec3::splat(((1u32 << BITS) - 1) as f32));
+        let at = ((p.as_dvec3() - corner) * (steps / (2.0 * size))).clamp(DVec3::ZERO, DVec3::splat(steps));
         spread(at.x as u64) | spread(at.y as u64) << 1 | spread(at.z as u64) << 2
     };
     let mut keys: Vec<(u64, u32)> = positions.par_iter().enumerate().map(|(v, &p)| (code(p), v as u32)).collect();
@@ -186,24 +191,36 @@ mod tests {
     fn every_cell_is_in_one_region_or_between_frozen_vertices() {
         let mesh = generate::torus(40, 30);
         for round in 0..4 {
-            let mut soup: Soup<3, u8> = Soup::of(&mesh);
-            soup.memories = vec![0; mesh.positions.len()];
-            let partition = Partition::new(soup, 100, round);
+            let partition = Partition::new(Remnant::of(&mesh, vec![0u8; mesh.positions.len()]), 100, round);
             assert_eq!(partition.len(), 12);
             let mut cells = 0;
             for region in 0..partition.len() {
                 let (vertices, own) = (partition.vertices(region), partition.cells(region));
-                assert!(partition.soup.cells[own.clone()].iter().flatten().all(|v| vertices.contains(&v.index())));
+                assert!(partition.left.cells[own.clone()].iter().flatten().all(|v| vertices.contains(&v.index())));
                 cells += own.len();
             }
             let between = partition.between();
             assert_eq!(cells + between.len(), mesh.cells.len());
-            assert!(partition.soup.cells[between].iter().flatten().all(|v| partition.frozen.contains(v.0)));
+            assert!(partition.left.cells[between].iter().flatten().all(|v| partition.frozen.contains(v.0)));
             // Most of it can be worked on, and names lead back to the input.
             assert!(partition.frozen.count() < 800, "{}", partition.frozen.count());
-            for (cell, name) in partition.soup.cells.iter().zip(&partition.soup.cell_names) {
-                assert_eq!(cell.map(|v| partition.soup.names[v.index()]), mesh.cells[name.index()]);
+            for (cell, name) in partition.left.cells.iter().zip(&partition.left.cell_names) {
+                assert_eq!(cell.map(|v| partition.left.names[v.index()]), mesh.cells[name.index()]);
             }
         }
+    }
+
+    #[test]
+    fn the_curve_takes_extents_of_any_size() {
+        let mesh = generate::torus(20, 10);
+        let scaled = |scale: f32| mesh.positions.iter().map(|p| *p * scale).collect::<Vec<_>>();
+        let usual = along_curve(&scaled(1.0), 3);
+        // Powers of two change no digit.
+        for scale in [f32::from_bits(0x7e00_0000), f32::from_bits(0x0200_0000)] {
+            assert_eq!(along_curve(&scaled(scale), 3), usual, "{scale:e}");
+        }
+        let all_at_one_place = vec![Vec3::splat(7.0); 5];
+        assert_eq!(along_curve(&all_at_one_place, 0), [0, 1, 2, 3, 4]);
+        assert!(along_curve(&[], 0).is_empty());
     }
 }

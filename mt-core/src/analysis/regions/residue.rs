@@ -1,6 +1,6 @@
 //! What is left of a region, without what is gone.
 
-use super::partition::Soup;
+use super::partition::Remnant;
 use crate::analysis::Draft;
 use crate::bits::Bits;
 use crate::cell::Cell;
@@ -47,7 +47,7 @@ impl<const N: usize, M: Copy> Residue<N, M> {
     pub(super) fn settle(
         self,
         (vertex_names, cell_names): &(Vec<VertexId>, Vec<CellId>),
-        left: &mut Soup<N, M>,
+        left: &mut Remnant<N, M>,
         number: &mut [VertexId],
     ) {
         let before = left.positions.len();

@@ -1,44 +1,36 @@
 //! One round: every region is coarsened as a mesh of its own, and told to the listener one after the other.
 
-use super::partition::{Partition, Soup};
+use super::partition::{Partition, Remnant};
 use super::residue::Residue;
 use super::{RegionListener, RegionOperator};
+use crate::analysis::queue;
 use crate::analysis::simplify::{Until, Work};
-use crate::analysis::{AnalysisError, queue, Draft, Options, Progress, Stopped};
+use crate::analysis::{AnalysisError, Draft, Options, Progress, Stopped};
 use crate::bits::Bits;
 use crate::cell::Cell;
-use crate::complex::Complex;
 use crate::id::VertexId;
 use crate::mesh::Mesh;
 use crate::plan::RefusalCounts;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-/// What the regions of a round are coarsened by, and what they are.
-pub(super) struct Round<'a, const N: usize, O: RegionOperator<N>> {
+/// What all regions of all rounds are coarsened by.
+pub(super) struct Job<'a, const N: usize, O: RegionOperator<N>> {
     pub(super) operator: &'a O,
     pub(super) options: &'a Options,
     /// What holds for the whole mesh.
     pub(super) whole: &'a O::Aux,
-    pub(super) partition: &'a Partition<N, O::Memory>,
     pub(super) cells_in: usize,
     pub(super) pool: &'a ThreadPool,
 }
 
-/// How far a round goes.
-#[derive(Clone, Copy)]
-pub(super) struct Limit {
-    /// Sites above this price wait for the next round.
-    pub(super) price: f64,
-    /// Whether there is no next round.
-    pub(super) is_last: bool,
-}
-
 /// What a round has left.
 pub(super) struct Done<const N: usize, M> {
-    pub(super) soup: Soup<N, M>,
+    pub(super) left: Remnant<N, M>,
     pub(super) refusals: RefusalCounts,
-    pub(super) stopped: Stopped,
+    /// Whether any region had sites above the price.
+    pub(super) more: bool,
+    pub(super) is_cancelled: bool,
 }
 
 /// A region that has been coarsened: what was heard of it, and what is left.
@@ -47,120 +39,135 @@ struct Coarsened<const N: usize, M, L> {
     residue: Residue<N, M>,
     refusals: RefusalCounts,
     stopped: Stopped,
+    more: bool,
 }
 
-/// So many regions for each thread are worked on before they are told.
-const REGIONS_A_THREAD: usize = 8;
-/// So many regions are asked for their prices before a round.
+/// So many regions are worked on before they are told. The same for any number of threads, so that whoever stops the work
+/// stops it at the same place.
+const TOGETHER: usize = 64;
+/// So many regions are asked for their prices.
 const SAMPLES: usize = 6;
+/// Of the cells that are wanted in the end, so many are left to the last round, which has one queue for all.
+const LEFT_TO_THE_LAST: usize = 4;
 
-impl<'a, const N: usize, O: RegionOperator<N>> Round<'a, N, O> {
-    /// The price that half the sites of some regions are below.
-    pub(super) fn usual_price(&self) -> f64 {
-        let regions = self.partition.len();
-        let step = regions.div_ceil(SAMPLES).max(SAMPLES);
-        let sample: Vec<usize> = (0..regions).step_by(step).collect();
-        let counts = sample.par_iter().map(|&region| self.work(region).price_counts());
-        let add = |mut a: Vec<usize>, b: Vec<usize>| {
-            a.resize(a.len().max(b.len()), 0);
-            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-            a
-        };
-        queue::median(&self.pool.install(|| counts.reduce(Vec::new, add)))
-    }
+/// The median price of the sites of some regions that are dearer than `above`.
+pub(super) fn usual_price<const N: usize, O: RegionOperator<N>>(
+    job: &Job<N, O>,
+    partition: &Partition<N, O::Memory>,
+    above: f64,
+) -> Option<f64> {
+    let step = partition.len().div_ceil(SAMPLES).max(1);
+    let sample: Vec<usize> = (0..partition.len()).skip(step / 2).step_by(step).collect();
+    let counts = sample.par_iter().map(|&region| work(job, partition, region, &mesh(partition, region)).price_counts());
+    let add = |mut a: Vec<usize>, b: Vec<usize>| {
+        a.resize(a.len().max(b.len()), 0);
+        a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        a
+    };
+    queue::median_above(&job.pool.install(|| counts.reduce(Vec::new, add)), above)
+}
 
-    /// Coarsens all regions as far as the limit, and tells the listener in their order.
-    pub(super) fn run<L: RegionListener<N>>(
-        &self,
-        limit: Limit,
-        listener: &mut L,
-        watch: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<Done<N, O::Memory>, AnalysisError> {
-        let soup = &self.partition.soup;
-        let mut left = Soup::with_capacity(soup.positions.len() / 2, soup.cells.len() / 2);
-        let mut done = Done { soup: Soup::with_capacity(0, 0), refusals: RefusalCounts::default(), stopped: Stopped::Exhausted };
-        // Where the vertices that are frozen have come to be.
-        let mut number = vec![VertexId::NONE; soup.positions.len()];
-        let mut cells = soup.cells.len();
-        let regions: Vec<usize> = (0..self.partition.len()).collect();
-        for some in regions.chunks(REGIONS_A_THREAD * self.pool.current_num_threads()) {
-            let coarsened: Vec<_> = if limit.is_last {
-                vec![self.coarsen::<L>(some[0], limit, watch)?]
-            } else {
-                let all = some.par_iter().map(|&region| self.coarsen::<L>(region, limit, &mut |_| true));
-                self.pool.install(|| all.collect::<Result<_, AnalysisError>>())?
-            };
-            for (&region, region_done) in some.iter().zip(coarsened) {
-                let Coarsened { heard, residue, refusals, stopped } = region_done;
-                done.refusals.add_all(&refusals);
-                cells -= self.partition.cells(region).len() - residue.cells.len();
-                if limit.is_last {
-                    done.stopped = stopped;
-                }
-                let (vertices, own) = (self.partition.vertices(region), self.partition.cells(region));
-                let names = listener.append(heard, &soup.names[vertices.clone()], &soup.cell_names[own])?;
-                residue.settle(&names, &mut left, &mut number[vertices]);
-            }
-            if !limit.is_last && !watch(Progress { cells_in: self.cells_in, cells }) {
-                done.stopped = Stopped::Cancelled;
-                break;
-            }
+/// Coarsens all regions as far as the price, and tells the listener in their order.
+pub(super) fn run<const N: usize, O: RegionOperator<N>, L: RegionListener<N>>(
+    job: &Job<N, O>,
+    partition: &Partition<N, O::Memory>,
+    price: f64,
+    listener: &mut L,
+    watch: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Done<N, O::Memory>, AnalysisError> {
+    let before = &partition.left;
+    let mut left = Remnant::with_capacity(before.positions.len() / 2, before.cells.len() / 2);
+    let (mut refusals, mut more) = (RefusalCounts::default(), false);
+    let mut cells = before.cells.len();
+    // Where the vertices that are frozen have come to be.
+    let mut number = vec![VertexId::NONE; before.positions.len()];
+    let regions: Vec<usize> = (0..partition.len()).collect();
+    for some in regions.chunks(TOGETHER) {
+        if !watch(Progress { cells_in: job.cells_in, cells }) {
+            return Ok(Done { left, refusals, more, is_cancelled: true });
         }
-        for i in self.partition.between() {
-            left.cells.push(soup.cells[i].map(|v| number[v.index()]));
-            left.cell_names.push(soup.cell_names[i]);
+        let all = some.par_iter().map(|&region| {
+            let cells_min = share_of_cells(job, partition, partition.cells(region).len());
+            coarsen::<N, O, L>(job, partition, region, Until { price, cells: cells_min }, &mut |_| true)
+        });
+        let coarsened: Vec<_> = job.pool.install(|| all.collect::<Result<_, AnalysisError>>())?;
+        for (&region, Coarsened { heard, residue, refusals: refused, more: waits, .. }) in some.iter().zip(coarsened) {
+            refusals.add_all(&refused);
+            more |= waits;
+            let (vertices, own) = (partition.vertices(region), partition.cells(region));
+            cells -= own.len() - residue.cells.len();
+            let names = listener.append(heard, &before.names[vertices.clone()], &before.cell_names[own])?;
+            residue.settle(&names, &mut left, &mut number[vertices]);
         }
-        done.soup = left;
-        Ok(done)
     }
+    for i in partition.between() {
+        left.cells.push(before.cells[i].map(|v| number[v.index()]));
+        left.cell_names.push(before.cell_names[i]);
+    }
+    Ok(Done { left, refusals, more, is_cancelled: false })
+}
 
-    /// The mesh of a region, with its own numbers.
-    fn mesh(&self, region: usize) -> Mesh<N> {
-        let vertices = self.partition.vertices(region);
-        let local = |cell: &Cell<N>| cell.map(|v| VertexId::new(v.index() - vertices.start));
-        let cells = self.partition.soup.cells[self.partition.cells(region)].iter().map(local).collect();
-        Mesh { positions: self.partition.soup.positions[vertices.clone()].to_vec(), cells }
-    }
+/// Coarsens all that is left as one region, as far as it goes.
+pub(super) fn last<const N: usize, O: RegionOperator<N>, L: RegionListener<N>>(
+    job: &Job<N, O>,
+    partition: &Partition<N, O::Memory>,
+    listener: &mut L,
+    watch: &mut dyn FnMut(Progress) -> bool,
+) -> Result<(RefusalCounts, Stopped), AnalysisError> {
+    let cells = job.options.until_cells.map(|cells| cells as usize);
+    let until = Until { price: f64::INFINITY, cells };
+    let Coarsened { heard, refusals, stopped, .. } = coarsen::<N, O, L>(job, partition, 0, until, watch)?;
+    listener.append(heard, &partition.left.names, &partition.left.cell_names)?;
+    Ok((refusals, stopped))
+}
 
-    /// The vertices of a region that may not be touched, by its own numbers.
-    fn frozen(&self, region: usize) -> Bits {
-        let vertices = self.partition.vertices(region);
-        let mut frozen = Bits::new(vertices.len() as u32);
-        let ours = vertices.clone().filter(|&v| self.partition.frozen.contains(v as u32));
-        ours.for_each(|v| _ = frozen.insert((v - vertices.start) as u32));
-        frozen
-    }
+fn coarsen<const N: usize, O: RegionOperator<N>, L: RegionListener<N>>(
+    job: &Job<N, O>,
+    partition: &Partition<N, O::Memory>,
+    region: usize,
+    until: Until,
+    watch: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Coarsened<N, O::Memory, L>, AnalysisError> {
+    let mesh = mesh(partition, region);
+    let mut heard = L::of_region(&mesh)?;
+    let mut work = work(job, partition, region, &mesh);
+    let cells_in = job.cells_in;
+    let stopped = work.run(until, &mut heard, &mut |at| watch(Progress { cells_in, ..at }))?;
+    let residue = Residue::of(work.draft(), |v| job.operator.recall(work.aux(), v), work.frozen());
+    Ok(Coarsened { heard, residue, refusals: work.refusals(), stopped, more: work.has_sites() })
+}
 
-    fn work(&self, region: usize) -> Work<'a, N, O> {
-        self.work_on(region, &self.mesh(region))
-    }
+/// The mesh of a region, with its own numbers.
+fn mesh<const N: usize, M: Copy + Send + Sync>(partition: &Partition<N, M>, region: usize) -> Mesh<N> {
+    let vertices = partition.vertices(region);
+    let local = |cell: &Cell<N>| cell.map(|v| VertexId::new(v.index() - vertices.start));
+    let cells = partition.left.cells[partition.cells(region)].iter().map(local).collect();
+    Mesh { positions: partition.left.positions[vertices.clone()].to_vec(), cells }
+}
 
-    fn work_on(&self, region: usize, mesh: &Mesh<N>) -> Work<'a, N, O> {
-        let draft = Draft { complex: Complex::new(mesh.positions.len(), &mesh.cells), positions: mesh.positions.clone() };
-        let aux = self.operator.resume(self.whole, &self.partition.soup.memories[self.partition.vertices(region)]);
-        Work::in_region(draft, self.operator, aux, self.frozen(region), self.options)
-    }
+fn work<'a, const N: usize, O: RegionOperator<N>>(
+    job: &Job<'a, N, O>,
+    partition: &Partition<N, O::Memory>,
+    region: usize,
+    mesh: &Mesh<N>,
+) -> Work<'a, N, O> {
+    let vertices = partition.vertices(region);
+    let aux = job.operator.resume(job.whole, &partition.left.memories[vertices.clone()]);
+    let mut frozen = Bits::new(vertices.len() as u32);
+    let ours = vertices.clone().filter(|&v| partition.frozen.contains(v as u32));
+    ours.for_each(|v| _ = frozen.insert((v - vertices.start) as u32));
+    Work::in_region(Draft::new(mesh), job.operator, aux, frozen, job.options)
+}
 
-    fn coarsen<L: RegionListener<N>>(
-        &self,
-        region: usize,
-        limit: Limit,
-        watch: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<Coarsened<N, O::Memory, L>, AnalysisError> {
-        let mesh = self.mesh(region);
-        let mut heard = L::of_region(&mesh)?;
-        let mut work = self.work_on(region, &mesh);
-        let until = Until { price: limit.price, cells: self.share_of_cells(mesh.cell_count()) };
-        let cells_in = self.cells_in;
-        let stopped = work.run(until, &mut heard, &mut |at| watch(Progress { cells_in, ..at }))?;
-        let residue = Residue::of(work.draft(), |v| self.operator.recall(work.aux(), v), &self.frozen(region));
-        Ok(Coarsened { heard, residue, refusals: work.refusals(), stopped })
-    }
-
-    /// The cells that a region has to keep so that all together keep as many as are wanted.
-    fn share_of_cells(&self, cells: usize) -> Option<usize> {
-        let wanted = self.options.until_cells? as usize;
-        let all = self.partition.soup.cells.len().max(1);
-        Some((cells as u128 * wanted as u128).div_ceil(all as u128) as usize)
-    }
+/// The cells that a region has to keep so that all together keep more than are wanted.
+fn share_of_cells<const N: usize, O: RegionOperator<N>>(
+    job: &Job<N, O>,
+    partition: &Partition<N, O::Memory>,
+    cells: usize,
+) -> Option<usize> {
+    let wanted = job.options.until_cells? as usize;
+    let all = partition.left.cells.len().max(1);
+    let share = (cells as u128 * (wanted + wanted / LEFT_TO_THE_LAST) as u128).div_ceil(all as u128) as usize;
+    // A step may go beyond by what it kills.
+    Some(share + 2 * N)
 }
