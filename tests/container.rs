@@ -40,6 +40,10 @@ fn every_truncation_is_refused() {
             bytes.len()
         );
     }
+    // What is missing is told: of the table, and of the file.
+    let told = |length: usize| container::read::<3>(&bytes[..length]).unwrap_err().to_string();
+    assert!(told(40).contains("220 bytes expected, 40 found"), "{}", told(40));
+    assert!(told(bytes.len() - 1).contains(&format!("{} bytes expected", bytes.len())));
     let mut longer = bytes;
     longer.push(0);
     assert!(container::read::<3>(&longer).is_err());

@@ -41,7 +41,11 @@ impl<const N: usize> Counterexample<N> {
     /// A test to paste, that judges what is left. `dependency` is a statement that makes `let dependency` of a `replay`,
     /// for what is left of merges.
     pub fn test(&self, name: &str, dependency: &str, options: &Options) -> String {
-        text::case_test(name, self, dependency, options)
+        let judged = format!(
+            "{dependency}\n    use multi_tessellation::mt_core::Hierarchy;\n    \
+             verify::hierarchy(&Hierarchy {{ replay, dependency }}, &OPTIONS, &mut |_| true).unwrap();"
+        );
+        text::case_test(name, self, &judged, options)
     }
 }
 

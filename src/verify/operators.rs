@@ -110,8 +110,8 @@ impl<const N: usize> Trouble<N> {
     }
 }
 
-/// An operator that goes on for ever is stopped after so many looks a cell, each of at least 256 sites.
-const LOOKS_PER_CELL: u64 = 4;
+/// An operator that goes on for ever is stopped after so many plans asked of it for each cell.
+const PLANS_PER_CELL: u64 = 1024;
 
 /// All laws of what an operator does on a mesh, nothing made small.
 fn examine<const N: usize, O: Operator<N>>(
@@ -140,19 +140,16 @@ fn analysed<const N: usize, O: Operator<N>>(
     mesh: &Mesh<N>,
     tally: &mut Tally,
 ) -> Result<Option<Explicit<N>>, Breach> {
-    let (mut looks, most) = (0, 64 + LOOKS_PER_CELL * mesh.cell_count() as u64);
-    let mut watch = |_: analysis::Progress| {
-        looks += 1;
-        looks <= most
-    };
+    let most = PLANS_PER_CELL * (16 + mesh.cell_count() as u64);
     let options = analysis::Options { unchecked: true, ..Default::default() };
     let watched = Watched::new(operator);
+    let mut watch = |_: analysis::Progress| watched.plans() <= most;
     let analysis = trial::guarded("the operator", || simplify(mesh, &watched, &options, &mut watch))?;
     if let Some(price) = watched.odd_price() {
         return Err(trial::breach(Law::Conduct, format!("a price is {price}; prices are not below 0")));
     }
-    if looks > most {
-        return Err(trial::breach(Law::Conduct, format!("no end after {} sites", 256 * most)));
+    if watched.plans() > most {
+        return Err(trial::breach(Law::Conduct, format!("no end after {most} plans")));
     }
     match analysis {
         Ok(analysis) => Ok(Some(analysis.model)),

@@ -172,8 +172,11 @@ fn look_at(
         Ok(Err(error)) => return Err(Box::new(bare(name, drawn, trial::breach(Law::Order, error.to_string())))),
         Err(breach) => return Err(Box::new(bare(name, drawn, breach))),
     };
-    let judged = "// The order as it was given, made for this replay.\n    let dependency = make(&replay).unwrap();";
-    let test = text::case_test(name, &found, judged, options);
+    let judged = format!(
+        "// The order as it was given, made for this replay.\n    \
+         verify::order_on(&replay, {name:?}, |replay| make(replay), &OPTIONS).unwrap();"
+    );
+    let test = text::case_test(name, &found, &judged, options);
     Err(Box::new(Finding {
         subject: name.to_owned(),
         sizes: text::sizes(&found),

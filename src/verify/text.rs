@@ -96,20 +96,27 @@ pub(super) fn operator_test<const N: usize>(
     )
 }
 
-/// A test that has what is left of a model, for a criterion or a strategy to be tried on.
+/// A test that adapts what is left of a model from the front at which a criterion or a strategy went wrong.
 pub(super) fn rule_test<const N: usize>(subject: &str, found: &Counterexample<N>, options: &Options) -> String {
-    let test = case_test(subject, found, "", options);
-    let kept = test.lines().filter(|line| !line.contains("verify::explicit(&model"));
-    let mut text = kept
-        .map(|line| line.replace("{mt_core::{Mesh, history}, verify}", "mt_core::{Mesh, history}") + "\n")
-        .collect::<String>();
     let refined = join(found.front.finest_first().map(|m| m.0));
-    let end = text.rfind('}').unwrap_or(text.len());
-    text.insert_str(
-        end,
-        &format!("    // Adapt `model` here, from the front of nodes [{refined}]: {}\n", found.breach),
+    let tried = format!(
+        "// {}\n    use multi_tessellation::mt_core::{{Front, MultiTessellation, NodeId}};\n    \
+         use multi_tessellation::selective::{{Limits, State, adapt, approach, wish_closure}};\n    \
+         let mut state = State::new(&model, ());\n    \
+         let refined: [u32; {}] = [{refined}];\n    \
+         approach(&model, &Front::from_nodes(model.len(), refined.into_iter().map(NodeId)), &mut state);\n    \
+         // The criterion as it was given; a strategy goes in the place of `adapt`.\n    \
+         let criterion = make(&model);\n    \
+         adapt(&model, &criterion, &Limits::NONE, &mut state);\n    \
+         assert!(*state.front() == wish_closure(&model, &criterion));\n",
+        found.breach.to_string().replace('\n', " "),
+        found.front.len(),
     );
-    text
+    let judged = |line: &str| line.contains("verify::explicit(&model");
+    case_test(subject, found, "", options)
+        .lines()
+        .map(|line| if judged(line) { format!("    {tried}") } else { line.replace(", verify}", "}") + "\n" })
+        .collect()
 }
 
 /// A test that judges a model made of a mesh.
@@ -117,6 +124,7 @@ pub(super) fn model_test<const N: usize>(subject: &str, law: Law, mesh: &Mesh<N>
     format!(
         "#[test]\nfn {}() {{\n    use multi_tessellation::{{mt_core::Mesh, verify}};\n    let mesh: Mesh<{N}> = {};\n    \
          // The model as it was made.\n    let model = make(&mesh).unwrap();\n    \
+         multi_tessellation::mt_core::check::ends(&model, &mesh).unwrap();\n    \
          verify::model(&model, &{}, &mut |_| true).unwrap();\n}}\n",
         test_name(subject, law),
         rust_mesh(mesh),
@@ -124,7 +132,7 @@ pub(super) fn model_test<const N: usize>(subject: &str, law: Law, mesh: &Mesh<N>
     )
 }
 
-/// A test that judges what is left of a model; `judged` makes it of a replay, where it is one of merges.
+/// A test that judges what is left of a model; of merges `judged` judges `replay`, with `OPTIONS`.
 pub(super) fn case_test<const N: usize>(
     subject: &str,
     found: &Counterexample<N>,
@@ -148,13 +156,13 @@ pub(super) fn case_test<const N: usize>(
         }
         Case::Merges(story) => format!(
             "#[test]\nfn {name}() {{\n    \
-             use multi_tessellation::{{mt_core::{{Hierarchy, Mesh, Replay, Sequence, VertexId}}, operators, verify}};\n    \
+             use multi_tessellation::{{mt_core::{{Mesh, Replay, Sequence, VertexId}}, operators, verify}};\n    \
              use std::sync::Arc;\n    let mesh: Mesh<3> = {};\n{}    \
-             let replay = Arc::new(Replay::new(&mesh, &{}, &sequence).unwrap());\n    {judged}\n    \
-             verify::hierarchy(&Hierarchy {{ replay, dependency }}, &{options}, &mut |_| true).unwrap();\n}}\n",
+             let replay = Arc::new(Replay::new(&mesh, &{}, &sequence).unwrap());\n    {}\n}}\n",
             rust_mesh(&story.mesh),
             rust_merges(&story.sequence),
             rust_links(story),
+            judged.replace("OPTIONS", &options),
         ),
         Case::Whole => {
             format!("// No part of the model breaks the law, so the test is the one that told this: {name}.\n")

@@ -4,15 +4,21 @@ use mt_core::analysis::{Draft, Operator, Unfit};
 use mt_core::{Plan, Refusal};
 use std::cell::Cell;
 
-/// An operator, and the first price of its that is none.
+/// An operator, the first price of its that is none, and how often it was asked for a plan.
 pub(super) struct Watched<'a, O> {
     operator: &'a O,
     odd_price: Cell<Option<f64>>,
+    plans: Cell<u64>,
 }
 
 impl<'a, O> Watched<'a, O> {
     pub(super) fn new(operator: &'a O) -> Self {
-        Self { operator, odd_price: Cell::new(None) }
+        Self { operator, odd_price: Cell::new(None), plans: Cell::new(0) }
+    }
+
+    /// How many plans it was asked for.
+    pub(super) fn plans(&self) -> u64 {
+        self.plans.get()
     }
 
     /// A price that was below 0 or not a number, if there was one.
@@ -39,6 +45,7 @@ impl<const N: usize, O: Operator<N>> Operator<N> for Watched<'_, O> {
         Some(price)
     }
     fn plan(&self, draft: &Draft<N>, aux: &O::Aux, site: O::Site, plan: &mut Plan<N>) -> Result<(), Refusal> {
+        self.plans.set(self.plans.get() + 1);
         self.operator.plan(draft, aux, site, plan)
     }
     fn alternative(&self, site: O::Site, refusal: Refusal) -> Option<O::Site> {

@@ -2,6 +2,8 @@
 
 #[path = "../budgets.rs"]
 mod budgets;
+#[path = "../faults/checkers.rs"]
+mod checkers;
 #[path = "../container.rs"]
 mod container;
 #[path = "../engine.rs"]

@@ -1,6 +1,7 @@
 //! An operator that leaves out what one may leave out, for verification to find.
 
 use mt_core::analysis::{Draft, Operator, Unfit};
+use mt_core::check::Random;
 use mt_core::{Plan, Refusal, VertexId};
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -46,7 +47,8 @@ impl Operator<3> for Careless {
     }
     fn price(&self, draft: &Draft<3>, (): &(), (u, v): Self::Site) -> Option<f64> {
         let apart = draft.positions[u.index()].distance(draft.positions[v.index()]);
-        let mood = 1.0 + f64::from(ASKED.fetch_add(1, Ordering::Relaxed) % 7);
+        // Never the same again, however often it was asked: nothing periodic.
+        let mood = 1.0 + 6.0 * Random::new(u64::from(ASKED.fetch_add(1, Ordering::Relaxed))).unit();
         let factor = match self {
             Careless::Moody => mood,
             Careless::Unpriced if u.0.is_multiple_of(5) => f64::NAN,

@@ -38,3 +38,28 @@ pub fn random_front(order: &Order, random: &mut Random) -> Front {
     }
     front
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::order::Rows;
+
+    /// Fronts are closed, and of all sizes: near the base mesh, near the input, and in between.
+    #[test]
+    fn fronts_are_closed_and_of_all_sizes() {
+        let count = 60u32;
+        let mut rows = Rows::default();
+        (0..count)
+            .for_each(|m| rows.push([m + 1, m + 7].into_iter().filter(|&need| need < count && m % 3 > 0).map(NodeId)));
+        let order = Order::from_needs(rows).unwrap();
+        let mut random = Random::new(5);
+        let mut sizes = [0; 4];
+        for _ in 0..400 {
+            let front = random_front(&order, &mut random);
+            assert!(order.is_closed(&front));
+            sizes[(front.len() * 4 / (count + 1)) as usize] += 1;
+        }
+        assert!(sizes.iter().all(|&of_size| of_size > 20), "{sizes:?}");
+        assert!(random_front(&Order::from_needs(Rows::default()).unwrap(), &mut random).is_empty());
+    }
+}

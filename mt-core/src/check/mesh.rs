@@ -165,3 +165,23 @@ fn is_one_chain(edges: &mut [[VertexId; 2]]) -> bool {
     }
     reached >= edges.len()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::generate;
+
+    #[test]
+    fn a_mesh_tells_its_domain() {
+        let sheet = domain_of(&generate::grid(3, 2));
+        assert!(sheet.manifold && sheet.oriented && sheet.boundary_fixed);
+        assert_eq!(sheet.base_boundary.len(), 10);
+        let content = sheet.content.expect("a flat mesh has an area");
+        assert!((content.sum - 12.0).abs() < 1e-9, "twice the area: {}", content.sum);
+        let band = domain_of(&generate::moebius(12));
+        assert!(band.manifold && !band.oriented && band.content.is_none());
+        assert!(!domain_of(&generate::fan3()).manifold && !domain_of(&generate::hourglass()).manifold);
+        assert!(domain_of(&generate::torus(5, 4)).base_boundary.is_empty());
+    }
+}

@@ -190,4 +190,28 @@ mod tests {
         let own = 4 * (model.base_cells().len() + roots);
         assert_eq!(model.bytes(), model.parts().bytes() + model.order().bytes() + own);
     }
+
+    /// No reader lets these through, so they are planted behind its back.
+    #[test]
+    fn the_law_on_cells_sees_what_no_reader_lets_through() {
+        let good = ears(9);
+        check::cells(&good).unwrap();
+        let says = |plant: fn(&mut Explicit<3>)| {
+            let mut model = ears(9);
+            plant(&mut model);
+            let breach = check::cells(&model).unwrap_err();
+            assert_eq!(breach.law, check::Law::Cells);
+            breach.what
+        };
+        assert!(says(|model| model.parts.fine[3] = model.parts.fine[0]).contains("a second time"));
+        assert!(says(|model| model.parts.fine[0] = CellId(model.total_cell_count() - 1)).contains("before it is made"));
+        assert!(says(|model| model.base.clear()).contains("the base mesh"));
+        assert!(says(|model| model.parts.coarse_start[1] -= 1).contains("before it is made"));
+        assert!(says(|model| model.parts.corners.push(model.parts.corners[0])).contains("base mesh"));
+        let never = says(|model| {
+            model.parts.corners.push(model.parts.corners[0]);
+            model.base.push(CellId::new(model.parts.corners.len() - 1));
+        });
+        assert!(never.contains("never made"), "{never}");
+    }
 }

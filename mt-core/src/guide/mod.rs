@@ -10,7 +10,8 @@
 //!
 //! That this is so whoever wrote the operator, the order or the engine is what the laws say. Each is a function in
 //! [`crate::check`], is named by [`Law`](crate::check::Law), and has been seen to fail: `docs/faults.md` lists what is
-//! planted, and which law sees it. `multi_tessellation::verify` judges all that belong to what somebody wrote by one call.
+//! planted and which law sees it first, and tests plant faults for single checkers besides. `multi_tessellation::verify`
+//! judges all that belong to what somebody wrote by one call.
 //!
 //! | law | of what | checked by |
 //! |---|---|---|
@@ -137,8 +138,8 @@
 //!
 //! An [`Operator`](crate::analysis::Operator) names *sites* where it may act, gives each a *price*, and fills a
 //! [`Plan`](crate::Plan): which cells go, which are made of which vertices, which vertices retire. It changes nothing
-//! itself. The driver takes the cheapest site, has the plan checked, applies it and tells the recorder; then it asks which
-//! sites have a new price.
+//! itself. The driver takes the cheapest site (to within an eighth), has the plan checked in debug builds, applies it and
+//! tells the recorder; then it asks which sites have a new price.
 //!
 //! Here is one, whole: an end of the shortest edge goes into the other.
 //!

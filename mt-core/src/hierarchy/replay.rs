@@ -108,7 +108,7 @@ impl Born {
         }
     }
 
-    fn bytes(&self) -> usize {
+    pub(super) fn bytes(&self) -> usize {
         match self {
             Self::Pairs(pairs) => 8 * pairs.len(),
             Self::Rows(start, cells) => 4 * (start.len() + cells.len()),

@@ -1,13 +1,15 @@
 //! Faults planted in a replay, each seen by the law that is there for it.
 
 use super::replay::Born;
-use super::{Replay, Sequence};
+use super::{Dependency, Hierarchy, Replay, Sequence, VertexMesh};
 use crate::check::{self, Law};
 use crate::front::Front;
 use crate::id::{CellId, NodeId, VertexId};
 use crate::mesh::Mesh;
+use crate::model::{Coarsen, MultiTessellation, Rule, Step, View, take};
 use crate::{Bits, generate};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// An icosahedron after two edge collapses, the second at the vertex that the first made.
 fn sample() -> (Mesh<3>, Replay) {
@@ -124,4 +126,109 @@ fn sequences_that_are_none_are_refused() {
     let sequence = Sequence::new(&mesh);
     assert!(Replay::new(&mesh, &[[VertexId(0), VertexId(0)]], &sequence).is_err());
     assert!(Replay::new(&mesh, &[[VertexId(0), VertexId(9)]], &sequence).is_err());
+}
+
+/// Waits for nothing, or with `always` for the last node, whatever the view.
+struct Waits {
+    always: Option<NodeId>,
+}
+
+impl Dependency for Waits {
+    const RULE: Rule = Rule::Static;
+    fn needs(&self, _: &Replay, _: NodeId, out: &mut Vec<NodeId>) {
+        out.extend(self.always);
+    }
+    fn prerequisites(&self, _: &Replay, _: NodeId, _: &View<VertexMesh>, out: &mut Vec<NodeId>) {
+        out.extend(self.always);
+    }
+    fn obstacles(&self, _: &Replay, _: NodeId, _: &View<VertexMesh>, _: &mut Vec<NodeId>) -> Coarsen {
+        Coarsen::Now
+    }
+    fn bytes(&self) -> usize {
+        1000
+    }
+}
+
+#[test]
+fn a_hierarchy_tells_what_its_parts_tell() {
+    let replay = Arc::new(sample().1);
+    let always = Some(NodeId(7));
+    let model = Hierarchy { replay: Arc::clone(&replay), dependency: Waits { always } };
+    assert_eq!(model.bytes(), replay.bytes() + 1000);
+    assert_eq!([0, 1].map(|m| model.gain(NodeId(m))), [Some(2), Some(2)]);
+    assert_eq!(model.positions(), replay.positions());
+    // A static order is asked even while the parent is coarse, a parent that is refined is not named.
+    let mut view = model.base_view();
+    let told = |view: &View<VertexMesh>, m| {
+        let mut out = Vec::new();
+        model.prerequisites(NodeId(m), view, &mut out);
+        out.iter().map(|m| m.0).collect::<Vec<_>>()
+    };
+    assert_eq!((told(&view, 0), told(&view, 1)), (vec![1, 7], vec![7]));
+    take(&model, Step::refine(NodeId(1)), &mut view, &mut ());
+    assert_eq!(told(&view, 0), [7]);
+    // Of those under a node only the refined ones are in the way.
+    let obstacles = |view: &View<VertexMesh>| {
+        let mut out = Vec::new();
+        (model.obstacles(NodeId(1), view, &mut out), out)
+    };
+    assert_eq!(obstacles(&view), (Coarsen::Now, vec![]));
+    take(&model, Step::refine(NodeId(0)), &mut view, &mut ());
+    assert_eq!(obstacles(&view), (Coarsen::After, vec![NodeId(0)]));
+}
+
+#[test]
+fn merges_that_keep_their_centre_are_known() {
+    let mesh = generate::icosahedron();
+    let [a, b, _] = mesh.cells[0];
+    let mut sequence = Sequence::new(&mesh);
+    let merged = sequence.push(a, [b], [0.1], mesh.positions[a.index()], true);
+    let around = |v: VertexId| mesh.cells.iter().filter(move |cell| cell.contains(&v)).flatten().copied();
+    let next = around(a).find(|w| *w != a && *w != b && !around(b).any(|x| x == *w)).expect("a neighbour of one end");
+    sequence.push(merged, [next], [0.2], Vec3::ZERO, false);
+    let replay = Replay::new(&mesh, &[], &sequence).expect("a sequence");
+    assert!(replay.keeps_center(0) && !replay.keeps_center(1) && !replay.keeps_center(2));
+    assert_eq!((replay.merge_count(), replay.roots()), (2, [NodeId(1)].as_slice()));
+}
+
+#[test]
+fn bytes_are_counted_array_by_array() {
+    let (mesh, replay) = sample();
+    let table: std::collections::BTreeMap<_, _> = replay.bytes_table().into_iter().collect();
+    let (nodes, leaves) = (2, mesh.vertex_count());
+    let expected = [
+        ("positions of merged vertices", 12 * nodes),
+        ("centres and spans", 12 * nodes),
+        ("children, errors, radii", 12 * nodes),
+        ("normal cones", 4 * nodes),
+        ("parents", 4 * (leaves + nodes)),
+        ("leaf ranks", 4 * leaves),
+        ("triangles of each node", 8 * nodes),
+    ];
+    for (name, bytes) in expected {
+        assert_eq!(table[name], bytes, "{name}");
+    }
+    assert_eq!(replay.bytes(), table.values().sum::<usize>());
+    // Where a node has none, or more than two, rows are counted.
+    assert_eq!(Born::new(vec![0, 0, 3], [1, 2, 3].map(CellId).to_vec()).bytes(), 4 * (3 + 3));
+    assert_eq!(Born::new(vec![0, 1, 3], [1, 2, 3].map(CellId).to_vec()).bytes(), 8 * 2);
+}
+
+#[test]
+fn the_boundary_of_a_front_is_the_image_of_that_of_the_input() {
+    let mesh = generate::grid(2, 2);
+    let mut sequence = Sequence::new(&mesh);
+    // The middle goes into a corner's neighbour: nothing of the boundary moves. Then two of the boundary become one.
+    let middle = VertexId(4);
+    let beside = mesh.cells.iter().find(|cell| cell.contains(&middle)).unwrap().iter().find(|w| **w != middle).copied();
+    let kept = beside.expect("a triangle has other corners");
+    let made = sequence.push(kept, [middle], [0.1], mesh.positions[kept.index()], true);
+    let ends = check::boundary_chain(&Replay::new(&mesh, &[], &sequence).unwrap(), &Front::base(1));
+    assert_eq!(ends.len(), 8);
+    let around = [0u32, 1, 2, 5, 8, 7, 6, 3].map(VertexId);
+    let at = around.iter().position(|v| *v == kept).expect("all but the middle are on the boundary");
+    sequence.push(made, [around[(at + 1) % 8]], [0.2], Vec3::ZERO, false);
+    let replay = Replay::new(&mesh, &[], &sequence).unwrap();
+    let chain = |front: &Front| check::boundary_chain(&replay, front).len();
+    assert_eq!((chain(&Front::reference(2)), chain(&Front::base(2))), (8, 7));
 }

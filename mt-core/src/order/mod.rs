@@ -259,5 +259,6 @@ mod tests {
     fn an_order_is_empty_that_has_no_node() {
         assert!(order(&[]).is_empty());
         assert!(!diamond().is_empty());
+        assert_eq!((order(&[]).depth(), diamond().depth(), order(&[&[], &[]]).depth()), (0, 3, 1));
     }
 }

@@ -193,3 +193,20 @@ impl<'a> IntoEdges for &'a Order {
         Arcs { order: self, node: m.0, end: m.0 + 1, at: 0 }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn petgraph_sees_the_nodes_and_arcs_there_are() {
+        // 2 is needed by 1 and by 0, 1 by 0.
+        let mut rows = crate::order::Rows::default();
+        [&[1u32, 2][..], &[2], &[]].iter().for_each(|row| rows.push(row.iter().map(|&need| NodeId(need))));
+        let order = Order::from_needs(rows).unwrap();
+        assert_eq!((order.node_count(), order.edge_count(), order.node_bound()), (3, 3, 3));
+        let arcs = |m: u32| (&order).edges(NodeId(m)).map(|arc| (arc.source().0, arc.target().0)).collect::<Vec<_>>();
+        assert_eq!((arcs(2), arcs(1), arcs(0)), (vec![(2, 0), (2, 1)], vec![(1, 0)], vec![]));
+        assert_eq!((&order).edge_references().count(), 3);
+    }
+}

@@ -86,3 +86,18 @@ impl Rows {
         4 * (self.start.len() + self.target.len())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_know_where_they_begin() {
+        let mut rows = Rows::default();
+        rows.push([3, 4].map(NodeId));
+        rows.push([]);
+        rows.push([NodeId(9)]);
+        assert_eq!((rows.starts(), rows.targets().len(), rows.len()), ([0, 2, 2, 3].as_slice(), 3, 3));
+        assert_eq!(Rows::from_parts(rows.starts().to_vec(), rows.targets().to_vec()).as_ref(), Some(&rows));
+    }
+}
