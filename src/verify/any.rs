@@ -32,7 +32,10 @@ pub fn model<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
     let found = |breach: &Breach, front: u32| Found { breach: breach.clone(), nodes: model.len(), cells, front };
     let (breach, found, front) = match trial::guarded("the model", || look(model, options, watch)) {
         Ok(Ok(summary)) => return Ok(summary),
-        Ok(Err((at, simple))) => (simple.1, found(&at.1, at.0.len()), simple.0),
+        Ok(Err(places)) => {
+            let (at, simple) = *places;
+            (simple.1, found(&at.1, at.0.len()), simple.0)
+        }
         Err(breach) => (breach.clone(), found(&breach, 0), Front::base(model.len())),
     };
     let mesh = trial::guarded("the model", || mesh_at(model, &front)).unwrap_or_default();
@@ -47,11 +50,11 @@ fn look<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
     model: &M,
     options: &Options,
     watch: &mut dyn FnMut(u32) -> bool,
-) -> Result<Summary, (Place, Place)> {
+) -> Result<Summary, Box<(Place, Place)>> {
     let mut summary = Summary::new();
     let laws = Laws::new(model, options, &mut summary).map_err(|breach| {
         let whole = (Front::base(model.len()), breach);
-        (whole.clone(), whole)
+        Box::new((whole.clone(), whole))
     })?;
     let mut random = Random::new(options.seed);
     let mut state = State::new(model, ());
@@ -71,7 +74,7 @@ fn look<const N: usize, M: MultiTessellation<N, Bound = Bound>>(
                 Rule::Static => shrink::simplest(&laws.order, &front, breach, |simpler| laws.broken(simpler, &case)),
                 Rule::Dynamic => (front, breach),
             };
-            return Err((at, simple));
+            return Err(Box::new((at, simple)));
         }
     }
     Ok(summary)
