@@ -111,3 +111,24 @@ pub fn extract_exact<const N: usize, S: Sink<N>>(
 fn cell_view<const N: usize>(model: &Explicit<N>, cell: CellId, m: NodeId) -> CellView<N> {
     CellView { corners: model.corners(cell).map(|v| model.positions()[v.index()]), error: model.bound(m).error }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cell_across_the_border_is_concerned_or_not_as_one_says() {
+        let region = Region { low: Vec3::ZERO, high: Vec3::ONE };
+        let at = |x: f32| [Vec3::new(x, 0.1, 0.1), Vec3::new(x + 0.5, 0.1, 0.1), Vec3::new(x, 0.6, 0.1)];
+        let holds = |corners: [Vec3; 3], error, focus| {
+            let below = ErrorBelow { error_max: 0.5, region: Some(region), focus };
+            CellCriterion::<3>::holds(&below, &CellView { corners, error })
+        };
+        for (corners, concerned) in [(at(0.2), [true, true]), (at(0.8), [false, true]), (at(3.0), [false, false])] {
+            for (focus, concerned) in [Focus::Loose, Focus::Strict].into_iter().zip(concerned) {
+                assert!(holds(corners, 0.5, focus) && holds(corners, 0.0, focus));
+                assert_eq!(holds(corners, 0.6, focus), !concerned, "{focus:?} at {}", corners[0].x);
+            }
+        }
+    }
+}

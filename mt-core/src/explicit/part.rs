@@ -189,6 +189,13 @@ mod tests {
         let roots = (0..model.len()).map(NodeId).filter(|&m| model.parent(m).is_none()).count();
         let own = 4 * (model.base_cells().len() + roots);
         assert_eq!(model.bytes(), model.parts().bytes() + model.order().bytes() + own);
+        let parts = model.parts();
+        let ids = [parts.coarse_start.len(), parts.fine_start.len(), parts.fine.len(), parts.parents.len()];
+        let held = 12 * parts.positions.len() + 12 * parts.corners.len() + 24 * parts.bounds.len();
+        assert_eq!(parts.bytes(), held + 4 * ids.iter().sum::<usize>());
+        // Rows both ways: where each begins, one more than nodes, and every arc.
+        let (nodes, arcs) = (model.len() as usize, model.order().arc_count());
+        assert_eq!(model.order().bytes(), 2 * 4 * (nodes + 1 + arcs));
     }
 
     /// No reader lets these through, so they are planted behind its back.

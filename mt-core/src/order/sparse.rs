@@ -92,4 +92,13 @@ mod tests {
             prop_assert!(rows.transposed().transposed() == rows);
         }
     }
+
+    #[test]
+    fn bytes_are_those_of_rows_that_are_filled() {
+        let rows = SparseRows::new(130, [(3, 1), (3, 2), (128, 9)].map(|(m, t)| (NodeId(m), NodeId(t))).to_vec());
+        // Three words of bits and the rows before each, where two rows begin and the second ends, three entries.
+        let counts = (rows.filled.words().len(), rows.before.len(), rows.start.len(), rows.target.len());
+        assert_eq!((counts.0, counts.2, counts.3), (3, 3, 3));
+        assert_eq!(rows.bytes(), 8 * counts.0 + 4 * (counts.1 + counts.2 + counts.3));
+    }
 }
