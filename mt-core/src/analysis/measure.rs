@@ -195,4 +195,25 @@ mod tests {
         let gone = Plan { kills: vec![0, 1, 2, 3], ..Plan::default() };
         assert!((f64::from(measure.of_plan(&Draft::new(&mesh), &gone)) - mesh.diagonal()).abs() < 1e-6);
     }
+
+    #[test]
+    fn cells_in_new_slots_answer_for_points_too() {
+        let ids = |cell: [u32; 3]| cell.map(VertexId);
+        let mesh = generate::triangle();
+        let (mut draft, mut measure, mut slots) = (Draft::new(&mesh), Measure::new(&mesh), Vec::new());
+        let middle = (mesh.positions[0] + mesh.positions[1] + mesh.positions[2]) / 3.0;
+        let parted = Plan {
+            kills: vec![0],
+            makes: vec![ids([0, 1, 3]), ids([1, 2, 3]), ids([2, 0, 3])],
+            vertices: vec![middle],
+            ..Plan::default()
+        };
+        assert!(measure.of_plan(&draft, &parted) < 1e-6);
+        draft.apply(&parted, &mut slots);
+        assert_eq!(slots, [0, 1, 2]);
+        measure.applied(&slots);
+        // All three corners are still answered for, whichever slots they went to.
+        let gone = Plan { kills: slots.clone(), ..Plan::<3>::default() };
+        assert!((f64::from(measure.of_plan(&draft, &gone)) - mesh.diagonal()).abs() < 1e-6);
+    }
 }
