@@ -22,16 +22,17 @@ const SHARE: f64 = 0.1;
 
 fn main() {
     let paths: Vec<String> = std::env::args().skip(1).collect();
-    let generated = || compare("generated, genus 2", &generate::genus_surface(2, 100, 0.05, 7));
-    let named = |path: &String| load(Path::new(path)).and_then(|mesh| compare(path, &mesh)).map_err(|error| (path, error));
-    if paths.is_empty() && let Err(error) = generated() {
-        eprintln!("error: {error}");
-        std::process::exit(1);
+    let named = |path: &str| load(Path::new(path)).and_then(|mesh| compare(path, &mesh));
+    let told = |path: &str, told: Result<(), Box<dyn Error>>| {
+        if let Err(error) = told {
+            eprintln!("error: {path}: {error}");
+            std::process::exit(1);
+        }
+    };
+    if paths.is_empty() {
+        told("generated", compare("generated, genus 2", &generate::genus_surface(2, 100, 0.05, 7)));
     }
-    if let Err((path, error)) = paths.iter().try_for_each(named) {
-        eprintln!("error: {path}: {error}");
-        std::process::exit(1);
-    }
+    paths.iter().for_each(|path| told(path, named(path)));
 }
 
 fn load(path: &Path) -> Result<Mesh<3>, Box<dyn Error>> {
