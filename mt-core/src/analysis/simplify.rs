@@ -346,3 +346,61 @@ impl<'a, const N: usize, O: RegionOperator<N>> Work<'a, N, O> {
         Self { frozen, ..Self::with(draft, operator, aux, sites, options) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate;
+    use crate::model::MultiTessellation;
+
+    /// Takes triangles of a row away, each by a site of its own; the first only when the second is gone, though it is
+    /// cheaper, and the third never.
+    struct Choosy;
+
+    impl Operator<3> for Choosy {
+        type Site = u32;
+        type Aux = ();
+
+        fn name(&self) -> &'static str {
+            "choosy"
+        }
+        fn prepare(&self, _: &Draft<3>, sites: &mut Vec<u32>) -> Result<(), Unfit> {
+            sites.extend([0, 1, 2]);
+            Ok(())
+        }
+        fn price(&self, draft: &Draft<3>, (): &(), site: u32) -> Option<f64> {
+            draft.complex.is_live(site).then_some(f64::from(site))
+        }
+        fn plan(&self, draft: &Draft<3>, (): &(), site: u32, plan: &mut Plan<3>) -> Result<(), Refusal> {
+            match site {
+                0 if draft.complex.is_live(1) => Err(Refusal::Other),
+                2 => Err(Refusal::Boundary),
+                _ => {
+                    plan.kills.push(site);
+                    Ok(())
+                }
+            }
+        }
+        fn applied(&self, _: &Draft<3>, (): &mut (), _: &Plan<3>, _: &mut Vec<u32>) {}
+    }
+
+    #[test]
+    fn what_is_refused_is_tried_again_when_the_others_are_done() {
+        let mesh = generate::components(&[generate::triangle(), generate::triangle(), generate::triangle()]);
+        let options = Options { unchecked: true, ..Options::default() };
+        let analysis = simplify(&mesh, &Choosy, &options, &mut |_| true).unwrap();
+        assert_eq!(analysis.stopped, Stopped::Exhausted);
+        let order = [0, 1].map(|m| analysis.model.fine_side(crate::NodeId(m))[0].0);
+        assert_eq!((analysis.model.len(), order), (2, [1, 0]));
+        // The first is refused once; what the boundary rule forbids is not asked for again.
+        assert_eq!((analysis.refusals.of(Refusal::Other), analysis.refusals.of(Refusal::Boundary)), (1, 1));
+        // As few cells as are wanted, and no fewer.
+        let options = Options { until_cells: Some(2), ..options };
+        let analysis = simplify(&mesh, &Choosy, &options, &mut |_| true).unwrap();
+        assert_eq!((analysis.stopped, analysis.model.len()), (Stopped::Cells, 1));
+        // An error that is just as large as is allowed is allowed.
+        let options = Options { until_error: Some(0.0), until_cells: None, ..options };
+        let analysis = simplify(&mesh, &Choosy, &options, &mut |_| true).unwrap();
+        assert_eq!((analysis.stopped, analysis.model.len()), (Stopped::Exhausted, 2));
+    }
+}

@@ -205,3 +205,32 @@ fn edge_spot(mesh: &Mesh<3>, ends: [u32; 2]) -> Spot {
     let position = ((middle[0] + middle[1]) / 2.0).to_array();
     Spot { vertices: ends.map(VertexId).to_vec(), position }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate;
+
+    #[test]
+    fn surfaces_are_counted_as_topology_has_it() {
+        let of = |mesh: &Mesh<3>| {
+            let found = census(mesh);
+            (found.genus, found.boundary_loops, found.components, found.euler_characteristic)
+        };
+        assert_eq!(of(&generate::icosahedron()), (Some(0), 0, 1, 2));
+        assert_eq!(of(&generate::torus(6, 5)), (Some(1), 0, 1, 0));
+        assert_eq!(of(&generate::genus_surface(2, 12, 0.0, 1)), (Some(2), 0, 1, -2));
+        assert_eq!(of(&generate::cylinder(7, 2)), (Some(0), 2, 1, 0));
+        assert_eq!(of(&generate::components(&[generate::torus(6, 5), generate::grid(2, 2)])), (Some(1), 1, 2, 1));
+        let band = census(&generate::moebius(9));
+        assert!(!band.orientable && band.genus.is_none() && band.is_manifold() && !band.is_closed());
+        assert_eq!((band.boundary_loops, band.euler_characteristic), (1, 0));
+        // Triangles that do not agree on a side are told, and can be turned so that they do.
+        let mut turned = generate::torus(6, 5);
+        turned.cells[7].swap(0, 1);
+        let found = census(&turned);
+        assert_eq!((found.inconsistent_edges.count, found.orientable, found.genus), (3, true, Some(1)));
+        assert_eq!(census(&generate::torus(6, 5)).inconsistent_edges.count, 0);
+        assert_eq!(census(&generate::fan3()).non_manifold_edges.count, 1);
+    }
+}
