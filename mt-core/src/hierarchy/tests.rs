@@ -117,6 +117,7 @@ fn sequences_that_are_none_are_refused() {
         (&|s| s.positions[0] = Vec3::splat(f32::INFINITY), "position"),
         (&|s| s.starts = vec![0, 0], "runs"),
         (&|s| s.starts.clear(), "runs"),
+        (&|s| (s.centers, s.positions, s.starts) = (vec![VertexId(0); 2], vec![Vec3::ZERO; 2], vec![0, 0, 1]), "runs"),
         (&|s| s.input_vertex_count = 7, "7 vertices"),
         (&|s| s.kept = Bits::full(1), "moves it"),
     ] {
