@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut words = std::env::args().skip(1);
     let mesh = subject(&words.next().unwrap_or("1000000".into()))?;
     let mut number = |usual: usize| words.next().map_or(Ok(usual), |word| word.parse());
-    let (runs, vertices, threads) = (number(3)?, number(8192)?, number(1)?);
+    let (runs, vertices, threads) = (number(3)?, number(Regions::default().vertices as usize)?, number(1)?);
     let way = words.next();
     println!("{} vertices, {} triangles", mesh.vertex_count(), mesh.cell_count());
     for (title, regions) in

@@ -206,9 +206,28 @@ impl<const N: usize> Recorder<N> {
         Ok(Explicit::from_checked(parts, order)?)
     }
 
-    /// Appends all that was told of a part of the current mesh, whose vertices and cells are called so here; gives the
-    /// names of all vertices and cells of the part. O(part).
-    fn append_part(
+    fn grow_alive(&mut self) {
+        // The set grows by doubling, so that telling it of new cells is O(1) each.
+        let count = self.corners.len() as u32;
+        if count > self.alive.capacity() {
+            let mut grown = Bits::new(count.max(self.alive.capacity().saturating_mul(2)));
+            self.alive.iter().for_each(|cell| _ = grown.insert(cell));
+            self.alive = grown;
+        }
+        for cell in self.settled..count {
+            self.alive.insert(cell);
+        }
+        self.settled = count;
+    }
+}
+
+impl<const N: usize> RegionListener<N> for Recorder<N> {
+    fn of_region(region: &Mesh<N>) -> Result<Self, HistoryError> {
+        Self::new(region)
+    }
+
+    /// O(part).
+    fn append(
         &mut self,
         part: Self,
         vertices: &[VertexId],
@@ -242,35 +261,6 @@ impl<const N: usize> Recorder<N> {
             }
         }
         Ok((vertex_names, cell_names))
-    }
-
-    fn grow_alive(&mut self) {
-        // The set grows by doubling, so that telling it of new cells is O(1) each.
-        let count = self.corners.len() as u32;
-        if count > self.alive.capacity() {
-            let mut grown = Bits::new(count.max(self.alive.capacity().saturating_mul(2)));
-            self.alive.iter().for_each(|cell| _ = grown.insert(cell));
-            self.alive = grown;
-        }
-        for cell in self.settled..count {
-            self.alive.insert(cell);
-        }
-        self.settled = count;
-    }
-}
-
-impl<const N: usize> RegionListener<N> for Recorder<N> {
-    fn of_region(region: &Mesh<N>) -> Result<Self, HistoryError> {
-        Self::new(region)
-    }
-
-    fn append(
-        &mut self,
-        part: Self,
-        vertices: &[VertexId],
-        cells: &[CellId],
-    ) -> Result<(Vec<VertexId>, Vec<CellId>), HistoryError> {
-        self.append_part(part, vertices, cells)
     }
 }
 

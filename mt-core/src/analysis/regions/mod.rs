@@ -91,8 +91,8 @@ const VERTICES_MIN: usize = 16;
 /// the rest. `watch` hears of progress between some regions; what was told by the time it stops is a history of its own,
 /// and the same for any number of threads.
 ///
-/// O(cells log cells). Bytes besides what the listener keeps: about 60 a cell, and for each vertex 50 and what the
-/// operator remembers.
+/// O(cells log cells). Holds, besides what the listener keeps, a copy of what is left of the mesh with the operator's
+/// memories, and the drafts of 64 regions; before the first round a draft of the whole mesh, while the operator prepares.
 pub fn analyse_by_regions<const N: usize, O: RegionOperator<N>, L: RegionListener<N>>(
     mesh: &Mesh<N>,
     operator: &O,

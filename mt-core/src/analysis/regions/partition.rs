@@ -57,7 +57,7 @@ impl<const N: usize, M: Copy> Remnant<N, M> {
     }
 }
 
-/// A left cut into regions: vertices and cells of a region are runs. Cells that reach into several come last.
+/// What is left, cut into regions: vertices and cells of a region are runs. Cells that reach into several come last.
 pub(super) struct Partition<const N: usize, M> {
     pub(super) left: Remnant<N, M>,
     /// Vertices of each region but the last.
