@@ -4,7 +4,7 @@
 use crate::files::{self, FileError};
 use glam::Vec3;
 use mt_core::check::{Breach, Certificate, is_least};
-use mt_core::{Bound, Camera, Explicit, Front, MultiTessellation, NodeId};
+use mt_core::{Bound, Camera, Front, MultiTessellation, NodeId};
 use selective::{Criterion, InRegion, Region, ScreenError, UniformError, Wish, certify};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -47,10 +47,14 @@ impl Asked {
 }
 
 /// The certificate of a front that was extracted for a wish without limits.
-pub fn of_front(model: &Explicit<3>, wish: Asked, front: &Front) -> Result<Document, Breach> {
+pub fn of_front(
+    model: &impl MultiTessellation<3, Bound = Bound>,
+    wish: Asked,
+    front: &Front,
+) -> Result<Document, Breach> {
     let criterion = wish.wish();
     let asked = |m: NodeId| criterion.asks(&model.bound(m), false);
-    let entries = certify(model.order(), &asked, front)?;
+    let entries = certify(&mt_core::check::order_of(model)?, &asked, front)?;
     Ok(Document { certificate: 1, nodes: model.len(), wish, entries })
 }
 

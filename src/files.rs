@@ -1,11 +1,12 @@
 //! The only room that opens files: readers and writers elsewhere work on bytes.
 
-use mt_core::container::{self, Meta};
+use mt_core::container::{self, Archive, Container, Meta};
 use mt_core::format::{Format, LoadOptions, LoadReport};
-use mt_core::{Explicit, Mesh};
+use mt_core::{Explicit, Mesh, Replay};
+use operators::order::Scheme;
 use std::io::{self, BufWriter, Write};
 use std::path::{Component, Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tempfile::NamedTempFile;
 
 /// What went wrong with a file, as one line.
@@ -23,18 +24,21 @@ impl FileError {
     }
 }
 
+/// Refuses what is no file that could be read: a folder, a device, nothing.
+fn check_readable(path: &Path) -> Result<(), FileError> {
+    let what = match path {
+        _ if path.is_dir() => "is a folder, not a file",
+        _ if !path.exists() => "no such file",
+        _ if !path.is_file() => "is not a regular file",
+        _ => return Ok(()),
+    };
+    Err(FileError::new(path, what))
+}
+
 /// All bytes of a file; a folder, a missing or an empty file is refused by name.
 pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
-    if path.is_dir() {
-        return Err(FileError::new(path, "is a folder, not a file"));
-    }
-    if path.exists() && !path.is_file() {
-        return Err(FileError::new(path, "is not a regular file"));
-    }
-    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => FileError::new(path, "no such file"),
-        _ => FileError::new(path, error),
-    })?;
+    check_readable(path)?;
+    let bytes = std::fs::read(path).map_err(|error| FileError::new(path, error))?;
     if bytes.is_empty() { Err(FileError::new(path, "the file is empty")) } else { Ok(bytes) }
 }
 
@@ -63,12 +67,19 @@ pub fn load_mesh(path: &Path, options: &LoadOptions) -> Result<(Mesh<3>, LoadRep
     mt_core::format::read(format, &bytes, options, &beside).map_err(|error| FileError::new(path, error))
 }
 
-/// A model of either dimension.
+/// A model.
 pub enum Model {
-    /// Of triangles.
+    /// Explicit, of triangles.
     Triangles(Box<Explicit<3>>),
-    /// Of tetrahedra.
+    /// Explicit, of tetrahedra.
     Tetrahedra(Box<Explicit<4>>),
+    /// A vertex hierarchy.
+    Hierarchy {
+        /// Its merges.
+        replay: Arc<Replay>,
+        /// What its steps wait for.
+        scheme: Scheme,
+    },
 }
 
 /// A model and what its file says about it.
@@ -76,20 +87,32 @@ pub fn load_model(path: &Path) -> Result<(Model, Meta), FileError> {
     let bytes = read(path)?;
     let wrong = |error| FileError::new(path, error);
     let container = container::open(&bytes).map_err(wrong)?;
+    if let Some(name) = container.meta().dependency.clone() {
+        return hierarchy(path, container, &name);
+    }
     match container.meta().corners {
         4 => container.model::<4>().map(|(model, meta)| (Model::Tetrahedra(Box::new(model)), meta)).map_err(wrong),
         _ => container.model::<3>().map(|(model, meta)| (Model::Triangles(Box::new(model)), meta)).map_err(wrong),
     }
 }
 
-/// A model of triangles.
-pub fn load_triangles(path: &Path) -> Result<(Explicit<3>, Meta), FileError> {
-    match load_model(path)? {
-        (Model::Triangles(model), meta) => Ok((*model, meta)),
-        (Model::Tetrahedra(_), _) => {
-            Err(FileError::new(path, "is a model of tetrahedra; this command wants triangles"))
-        }
-    }
+fn hierarchy(path: &Path, container: Container<'_>, scheme: &str) -> Result<(Model, Meta), FileError> {
+    let scheme = scheme.parse().map_err(|error| FileError::new(path, format!("the file is not a model: {error}")))?;
+    let (story, meta) = container.story().map_err(|error| FileError::new(path, error))?;
+    let replay = story.replay().map_err(|error| FileError::new(path, format!("the file is not a model: {error}")))?;
+    Ok((Model::Hierarchy { replay: Arc::new(replay), scheme }, meta))
+}
+
+/// Head and metadata of a model's file; its sections can be had one by one.
+pub fn open_archive(path: &Path) -> Result<Archive<std::fs::File>, FileError> {
+    check_readable(path)?;
+    let file = std::fs::File::open(path).map_err(|error| FileError::new(path, error))?;
+    Archive::open(file).map_err(|error| FileError::new(path, error))
+}
+
+/// Refuses a model of tetrahedra where triangles are wanted.
+pub fn no_triangles(path: &Path) -> FileError {
+    FileError::new(path, "is a model of tetrahedra; this command wants triangles")
 }
 
 /// A value from a JSON file.

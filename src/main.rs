@@ -1,8 +1,10 @@
 //! The command `mtess`.
 
 mod certificate;
+mod coarsening;
 mod commands;
 mod files;
+mod kept;
 mod progress;
 mod selection;
 mod subject;

@@ -3,7 +3,7 @@
 use crate::certificate::Asked;
 use crate::files::{self, FileError};
 use clap::{Args, ValueEnum};
-use mt_core::{Camera, Explicit, MultiTessellation};
+use mt_core::{Bound, Camera, Explicit, MultiTessellation};
 use selective::{ErrorBelow, Focus, Limits, Outcome, Region, State, Strategy, adapt, extract, extract_exact};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -122,29 +122,29 @@ impl Selection {
     }
 
     /// Extracts from a model.
-    pub fn run(
+    pub fn run<M: MultiTessellation<3, Bound = Bound>>(
         &self,
-        model: &Explicit<3>,
+        model: &M,
         camera: Option<&Camera>,
-    ) -> Result<(State<3, Explicit<3>, ()>, Outcome), SelectionError> {
+    ) -> Result<(State<3, M, ()>, Outcome), SelectionError> {
         let wish = self.asked(camera)?.wish();
         let limits = Limits { cells: self.cells, time: self.time_ms.map(Duration::from_millis) };
-        if let Some(per_cell) = self.per_cell {
-            let focus = if per_cell == PerCell::Loose { Focus::Loose } else { Focus::Strict };
-            let criterion = ErrorBelow { error_max: self.error.unwrap_or(0.0), region: self.region, focus };
-            return Ok(extract_exact(model, &criterion, ()));
-        }
         Ok(match self.strategy {
             Way::TopDown => extract(model, &wish, &limits, Strategy::TopDown, ()),
             Way::Priority => extract(model, &wish, &limits, Strategy::Priority, ()),
             Way::Incremental => {
                 let mut state = State::new(model, ());
-                for m in (0..model.len()).rev().map(mt_core::NodeId) {
-                    state.take(model, mt_core::Step::refine(m));
-                }
+                (0..model.len()).rev().for_each(|m| state.force(model, mt_core::NodeId(m)));
                 let outcome = adapt(model, &wish, &limits, &mut state);
                 (state, outcome)
             }
         })
+    }
+
+    /// Extracts by judging single cells, of which only explicit models keep errors.
+    pub fn run_per_cell(&self, model: &Explicit<3>, per_cell: PerCell) -> (State<3, Explicit<3>, ()>, Outcome) {
+        let focus = if per_cell == PerCell::Loose { Focus::Loose } else { Focus::Strict };
+        let criterion = ErrorBelow { error_max: self.error.unwrap_or(0.0), region: self.region, focus };
+        extract_exact(model, &criterion, ())
     }
 }

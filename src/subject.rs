@@ -1,12 +1,10 @@
 //! What a command is about: a model from a file, or the vertex hierarchy of a mesh under a scheme; the options that say so.
 
+use crate::coarsening::replay_of;
 use crate::commands::CommandError;
 use crate::files::{self, FileError, Model};
-use crate::progress::{Progress, interrupted};
 use clap::Args;
-use mt_core::analysis::{AnalysisError, Options, Stopped, Unfit};
 use mt_core::format::{Format, LoadOptions};
-use mt_core::{Mesh, Replay, Sequence};
 use operators::AnyOperator;
 use operators::order::Scheme;
 use std::path::{Path, PathBuf};
@@ -21,18 +19,10 @@ pub struct Subject {
     /// Of a mesh: what coarsens it, as in `mtess build` [default: edge-collapse]
     #[arg(long, value_name = "NAME[/METRIC]")]
     operator: Option<AnyOperator>,
-    /// Of a mesh: what steps wait for: explicit, one-ring, cut-pair, four-face, dual-piece, implicit-ids,
+    /// Of a mesh or a vertex hierarchy: what steps wait for: explicit, one-ring, cut-pair, four-face, dual-piece, implicit-ids,
     /// implicit-ids-stored or dual-piece-free [default: dual-piece]
     #[arg(long, value_name = "NAME")]
     dependency: Option<Scheme>,
-}
-
-/// What was loaded.
-pub enum Loaded {
-    /// A model from a file.
-    Model(Model),
-    /// A mesh, coarsened.
-    Mesh { replay: Arc<Replay>, scheme: Scheme },
 }
 
 impl Subject {
@@ -42,21 +32,23 @@ impl Subject {
     }
 
     /// Loads the model, or the mesh and coarsens it.
-    pub fn load(&self) -> Result<Loaded, CommandError> {
+    pub fn load(&self) -> Result<Model, CommandError> {
         if !is_mesh(&self.model) {
             let (model, _) = files::load_model(&self.model)?;
-            for (option, given) in
-                [("--operator", self.operator.is_some()), ("--dependency", self.dependency.is_some())]
-            {
-                refuse_for_models(&self.model, option, given)?;
-            }
-            return Ok(Loaded::Model(model));
+            refuse_for_models(&self.model, "--operator", self.operator.is_some())?;
+            return match (model, self.dependency) {
+                (Model::Hierarchy { replay, .. }, Some(scheme)) => Ok(Model::Hierarchy { replay, scheme }),
+                (model, other) => {
+                    refuse_for_models(&self.model, "--dependency", other.is_some())?;
+                    Ok(model)
+                }
+            };
         }
         let (mesh, report) = files::load_mesh(&self.model, &LoadOptions::default())?;
         eprint!("{report}");
         let operator = operator_or_usual(self.operator.as_ref())?;
         let replay = Arc::new(replay_of(&self.model, &mesh, &operator)?);
-        Ok(Loaded::Mesh { replay, scheme: self.dependency.unwrap_or(Scheme::DualPiece) })
+        Ok(Model::Hierarchy { replay, scheme: self.dependency.unwrap_or(Scheme::DualPiece) })
     }
 }
 
@@ -75,23 +67,4 @@ pub fn refuse_for_models(path: &Path, option: &str, given: bool) -> Result<(), C
 pub fn operator_or_usual(operator: Option<&AnyOperator>) -> Result<AnyOperator, CommandError> {
     let operator = operator.cloned().map_or_else(|| AnyOperator::from_str("edge-collapse"), Ok);
     operator.map_err(|error| CommandError::Other(error.to_string()))
-}
-
-/// Coarsens a mesh and keeps its merges.
-pub fn replay_of(path: &Path, mesh: &Mesh<3>, operator: &AnyOperator) -> Result<Replay, CommandError> {
-    let wrong = |what: String| CommandError::File(FileError::new(path, what));
-    let mut sequence = Sequence::new(mesh);
-    let mut progress = Progress::new("coarsening", mesh.cell_count() as u64);
-    let mut watch = |at: mt_core::analysis::Progress| progress.at((at.cells_in - at.cells) as u64);
-    let ended = operator.analyse(mesh, &Options::default(), &mut sequence, &mut watch).map_err(|error| {
-        let way_out = match error {
-            AnalysisError::Unfit(Unfit::NonManifold { .. }) => "; --operator vertex-pair takes the mesh as it is",
-            _ => "",
-        };
-        wrong(format!("{error}{way_out}"))
-    })?;
-    if ended.stopped == Stopped::Cancelled || interrupted() {
-        return Err(CommandError::Interrupted);
-    }
-    Replay::new(mesh, &operator.links(mesh), &sequence).map_err(|error| wrong(error.to_string()))
 }

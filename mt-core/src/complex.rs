@@ -284,25 +284,28 @@ impl<const N: usize> Complex<N> {
         }
     }
 
+    #[inline]
     fn replace(&mut self, slot: Slot, new: &Cell<N>, retired: &[VertexId]) {
-        let old = *self.cell(slot);
         for i in 0..N {
-            if old[i] != new[i] && !old[i].is_none() && !retired.contains(&old[i]) {
+            let old = self.cell(slot)[i];
+            if old == new[i] {
+                continue;
+            }
+            if !old.is_none() && !retired.contains(&old) {
                 self.unlink_corner(slot, i);
             }
-        }
-        self.cells[slot as usize].corners = *new;
-        for i in 0..N {
-            if old[i] != new[i] && !new[i].is_none() {
+            self.cells[slot as usize].corners[i] = new[i];
+            if !new[i].is_none() {
                 self.link_corner(slot, i);
             }
         }
     }
 
+    #[inline]
     fn link_corner(&mut self, slot: Slot, i: usize) {
-        let v = self.cell(slot)[i].index();
-        self.cells[slot as usize].next[i] = self.first[v];
-        self.first[v] = slot * N as u32 + i as u32;
+        let place = &mut self.cells[slot as usize];
+        let first = &mut self.first[place.corners[i].index()];
+        place.next[i] = std::mem::replace(first, slot * N as u32 + i as u32);
     }
 
     fn unlink_corner(&mut self, slot: Slot, i: usize) {

@@ -100,12 +100,9 @@ impl Bisect {
             files::check_place(place)?;
         }
         match self.subject.load()? {
-            crate::subject::Loaded::Model(Model::Triangles(model)) => self.on(&*model),
-            crate::subject::Loaded::Model(Model::Tetrahedra(_)) => {
-                Err(FileError::new(self.subject.path(), "is a model of tetrahedra; this command wants triangles")
-                    .into())
-            }
-            crate::subject::Loaded::Mesh { replay, scheme, .. } => scheme
+            Model::Triangles(model) => self.on(&*model),
+            Model::Tetrahedra(_) => Err(files::no_triangles(self.subject.path()).into()),
+            Model::Hierarchy { replay, scheme } => scheme
                 .visit(&replay, Walk(&self))
                 .map_err(|error| CommandError::File(FileError::new(self.subject.path(), error)))?,
         }

@@ -1,16 +1,19 @@
 //! `mtess build`: a mesh becomes a model.
 
 use super::{CommandError, print_json, print_text};
+use crate::coarsening::{Coarsening, usual_regions};
 use crate::files::{self, FileError};
-use crate::progress::{Clock, Progress, interrupted, peak_bytes};
+use crate::kept::Kept;
+use crate::progress::{Clock, interrupted, peak_bytes};
 use clap::{Args, ValueEnum};
-use mt_core::analysis::{Analysis, AnalysisError, Options, Regions, Stopped, Unfit};
-use mt_core::container::{self, Meta};
+use mt_core::analysis::{Options, Regions};
+use mt_core::container::{Meta, Storage};
 use mt_core::format::{LoadOptions, LoadReport, NonManifold};
-use mt_core::{ErrorKind, Mesh, MultiTessellation, Recorder, RefusalCounts, history};
+use mt_core::{ErrorKind, Mesh, RefusalCounts, history};
 use operators::AnyOperator;
 use operators::edge_collapse::BoundaryRule;
 use operators::fan_merge::BelowStall;
+use operators::order::Scheme;
 use operators::vertex_pair::Preference;
 use serde_json::json;
 use std::io::BufRead;
@@ -63,20 +66,26 @@ pub struct Build {
     /// same to the bit
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
     threads: u32,
+    /// Keep the vertex hierarchy under this scheme instead of all cells, a quarter of the bytes: explicit, one-ring, cut-pair,
+    /// four-face, dual-piece, implicit-ids, implicit-ids-stored or dual-piece-free
+    #[arg(long, value_name = "NAME", conflicts_with = "history")]
+    dependency: Option<Scheme>,
+    /// Pack the file without loss: about half the bytes
+    #[arg(long)]
+    packed: bool,
     /// Tell the figures as JSON
     #[arg(long)]
     json: bool,
 }
 
-/// What a history was made by: the operator's name, and regions if it went by these.
-struct How {
+/// A model that was made, and how.
+struct Made {
+    model: Kept,
     operator: String,
     regions: Option<Regions>,
+    refusals: RefusalCounts,
+    stopped: String,
 }
-
-/// Meshes of so many triangles are coarsened region by region, if nothing else is said: below, one queue for all does not
-/// leave the cache by much.
-const LARGE: usize = 400_000;
 
 #[derive(ValueEnum, Clone, Copy)]
 enum Errors {
@@ -134,24 +143,48 @@ impl Build {
             eprint!("{report}");
         }
         let clock = Clock::start();
-        let (analysis, how) = match history {
-            Some((path, lines)) => (replay(&mesh, path, lines)?, How { operator: "history".to_owned(), regions: None }),
-            None => self.analyse(&mesh)?,
+        let counts_in = [mesh.vertex_count(), mesh.cell_count()];
+        let made = match history {
+            Some((path, lines)) => replay(&mesh, path, lines)?,
+            None => self.make(mesh)?,
         };
         let (analysis_s, analysis_cpu_s) = (clock.wall(), clock.cpu());
         let clock = Clock::start();
-        let meta = self.meta(&analysis, how, &report);
-        files::write(&self.output, |mut out| container::write(&analysis.model, &meta, &mut out))?;
+        let meta = self.meta(&made, &report);
+        let storage = if self.packed { Storage::Packed } else { Storage::Plain };
+        files::write(&self.output, |out| made.model.write(&meta, storage, out))?;
         let seconds = Seconds { load_s, analysis_s, analysis_cpu_s, write_s: clock.wall() };
-        self.tell(&mesh, &analysis, &meta, &report, &seconds);
+        self.tell(counts_in, &made, &meta, &report, &seconds);
         Ok(ExitCode::SUCCESS)
     }
 
-    fn analyse(&self, mesh: &Mesh<3>) -> Result<(Analysis<3>, How), CommandError> {
+    fn make(&self, mesh: Mesh<3>) -> Result<Made, CommandError> {
+        let coarsening = self.coarsening(&mesh)?;
+        let (model, ended) = match self.dependency {
+            None => Kept::cells(&self.model, &mesh, &coarsening)?,
+            Some(scheme) => Kept::merges(&self.model, mesh, &coarsening, scheme)?,
+        };
+        if interrupted() {
+            return Err(CommandError::Interrupted);
+        }
+        Ok(Made {
+            model,
+            operator: coarsening.operator.name(),
+            regions: coarsening.regions,
+            refusals: ended.refusals,
+            stopped: ended.stopped.to_string(),
+        })
+    }
+
+    fn coarsening(&self, mesh: &Mesh<3>) -> Result<Coarsening, CommandError> {
         if self.until_error.is_some_and(|error| error.is_nan() || error < 0.0) {
             return Err(CommandError::Other("--until-error must be a number, 0 or more".into()));
         }
         let operator = self.chosen_operator()?;
+        if self.dependency.is_some() && matches!(self.errors, Errors::Measured) {
+            // What is measured is a modification as a whole; a hierarchy wants the error of each merge.
+            return Err(CommandError::Other("--errors measured is for explicit models, not with --dependency".into()));
+        }
         let options = Options {
             until_cells: self.until_cells,
             until_error: self.until_error,
@@ -161,42 +194,33 @@ impl Build {
             },
             ..Options::default()
         };
-        let mut progress = Progress::new("coarsening", mesh.cell_count() as u64);
-        let mut recorder = Recorder::new(mesh).map_err(|error| self.explain(error.into()))?;
-        let mut watch = |at: mt_core::analysis::Progress| progress.at((at.cells_in - at.cells) as u64);
-        let regions = self.chosen_regions(mesh, &operator)?;
-        let ended = match regions {
-            Some(regions) => operator.analyse_by_regions(mesh, &options, &regions, &mut recorder, &mut watch),
-            None => operator.analyse(mesh, &options, &mut recorder, &mut watch),
-        };
-        let ended = ended.map_err(|error| self.explain(error))?;
-        if ended.stopped == Stopped::Cancelled || interrupted() {
-            return Err(CommandError::Interrupted);
-        }
-        let model = recorder.finish(options.error_kind).map_err(|error| self.explain(error.into()))?;
-        let analysis = Analysis { model, refusals: ended.refusals, stopped: ended.stopped };
-        Ok((analysis, How { operator: operator.name(), regions }))
+        let regions = self.chosen_regions(mesh, &operator, &options)?;
+        Ok(Coarsening { operator, options, regions })
     }
 
     /// The regions to coarsen one by one, if that is how; what was asked for and cannot be is refused.
-    fn chosen_regions(&self, mesh: &Mesh<3>, operator: &AnyOperator) -> Result<Option<Regions>, CommandError> {
-        let measured = matches!(self.errors, Errors::Measured);
+    fn chosen_regions(
+        &self,
+        mesh: &Mesh<3>,
+        operator: &AnyOperator,
+        options: &Options,
+    ) -> Result<Option<Regions>, CommandError> {
+        let threads = self.threads as usize;
         let vertices = match self.regions {
+            None => return Ok(usual_regions(mesh, operator, options, threads)),
             Some(0) => return Ok(None),
             Some(vertices @ 1..16) => {
                 return Err(CommandError::Other(format!("--regions {vertices} is too few: 16 at least, 0 for none")));
             }
             Some(vertices) => vertices,
-            None if mesh.cell_count() < LARGE || measured || !operator.works_by_regions() => return Ok(None),
-            None => Regions::default().vertices,
         };
         if !operator.works_by_regions() {
             return Err(CommandError::Other(format!("--regions is for collapses of edges, not for {operator}")));
         }
-        if measured {
+        if options.error_kind == ErrorKind::Measured {
             return Err(CommandError::Other("--errors measured needs the mesh as a whole: --regions 0".into()));
         }
-        Ok(Some(Regions { vertices, threads: self.threads as usize }))
+        Ok(Some(Regions { vertices, threads }))
     }
 
     /// The operator with the options that only some of them have; an option that would do nothing is refused.
@@ -244,38 +268,34 @@ impl Build {
         Ok(operator)
     }
 
-    fn explain(&self, error: AnalysisError) -> CommandError {
-        let way_out = match error {
-            AnalysisError::Unfit(Unfit::NonManifold { .. }) => {
-                "; --non-manifold split separates the sheets, --operator vertex-pair takes the mesh as it is"
-            }
-            _ => "",
-        };
-        FileError::new(&self.model, format!("{error}{way_out}")).into()
-    }
-
-    fn meta(&self, analysis: &Analysis<3>, how: How, report: &LoadReport) -> Meta {
+    fn meta(&self, made: &Made, report: &LoadReport) -> Meta {
         let name = self.model.file_name().unwrap_or(self.model.as_os_str());
         Meta {
-            operator: how.operator,
-            region_vertices: how.regions.map_or(0, |regions| regions.vertices),
+            operator: made.operator.clone(),
+            region_vertices: made.regions.map_or(0, |regions| regions.vertices),
             source: name.to_string_lossy().into_owned(),
-            stopped: if self.history.is_some() { "the history ends".into() } else { analysis.stopped.to_string() },
-            refusals: analysis.refusals.iter().map(|(reason, count)| (reason.name().to_owned(), count)).collect(),
+            stopped: made.stopped.clone(),
+            refusals: made.refusals.iter().map(|(reason, count)| (reason.name().to_owned(), count)).collect(),
             load_report: report.to_string().lines().map(str::to_owned).collect(),
             ..Meta::default()
         }
     }
 
-    fn tell(&self, mesh: &Mesh<3>, analysis: &Analysis<3>, meta: &Meta, report: &LoadReport, seconds: &Seconds) {
-        let model = &analysis.model;
-        let base = model.base_cells().len();
+    fn tell(
+        &self,
+        [vertices_in, cells_in]: [usize; 2],
+        made: &Made,
+        meta: &Meta,
+        report: &LoadReport,
+        seconds: &Seconds,
+    ) {
+        let model = &made.model;
+        let base = model.base();
         if !self.json {
-            let rate = (mesh.cell_count() as f64 - base as f64) / seconds.analysis_s.max(1e-9) / 1e3;
+            let rate = (cells_in as f64 - base as f64) / seconds.analysis_s.max(1e-9) / 1e3;
             print_text(&format!(
-                "{}: {} triangles to {base} in {} modifications, {:.2} s ({rate:.0} thousand triangles a second); {}",
+                "{}: {cells_in} triangles to {base} in {} modifications, {:.2} s ({rate:.0} thousand triangles a second); {}",
                 self.output.display(),
-                mesh.cell_count(),
                 model.len(),
                 seconds.analysis_s,
                 meta.stopped
@@ -285,8 +305,9 @@ impl Build {
         print_json(&json!({
             "model": self.output,
             "operator": meta.operator,
-            "vertices_in": mesh.vertex_count(),
-            "triangles_in": mesh.cell_count(),
+            "dependency": self.dependency.map(Scheme::name),
+            "vertices_in": vertices_in,
+            "triangles_in": cells_in,
             "triangles_base": base,
             "modifications": model.len(),
             "bytes": model.bytes(),
@@ -305,7 +326,7 @@ impl Build {
     }
 }
 
-fn replay(mesh: &Mesh<3>, path: &Path, lines: impl BufRead) -> Result<Analysis<3>, CommandError> {
+fn replay(mesh: &Mesh<3>, path: &Path, lines: impl BufRead) -> Result<Made, CommandError> {
     let wrong = |what: String| CommandError::File(FileError::new(path, what));
     let model = history::read(mesh, lines).map_err(|error| wrong(error.to_string()))?;
     // A history from elsewhere is not believed before its modifications conform.
@@ -313,7 +334,13 @@ fn replay(mesh: &Mesh<3>, path: &Path, lines: impl BufRead) -> Result<Analysis<3
         let line = breach.node.map_or(String::new(), |m| format!("modification {}: ", m.0 + 1));
         wrong(format!("{line}{}", breach.what))
     })?;
-    Ok(Analysis { model, refusals: RefusalCounts::default(), stopped: Stopped::Exhausted })
+    Ok(Made {
+        model: Kept::Cells(Box::new(model)),
+        operator: "history".to_owned(),
+        regions: None,
+        refusals: RefusalCounts::default(),
+        stopped: "the history ends".to_owned(),
+    })
 }
 
 struct Seconds {

@@ -2,12 +2,15 @@
 
 use super::{CommandError, print_json, print_text};
 use crate::certificate;
-use crate::files;
+use crate::files::{self, FileError, Model};
 use crate::progress::Clock;
 use crate::selection::Selection;
 use clap::Args;
+use mt_core::hierarchy::Dependency;
 use mt_core::model::mesh_of;
-use mt_core::{MultiTessellation, NodeId};
+use mt_core::{Bound, Camera, Hierarchy, MultiTessellation, NodeId};
+use operators::order::Visit;
+use selective::{Outcome, State};
 use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -29,19 +32,53 @@ pub struct Extract {
     json: bool,
 }
 
+/// What came of an extraction, and how long it took.
+type Extracted<M> = (State<3, M, ()>, Outcome, f64);
+
 impl Extract {
     pub fn run(self) -> Result<ExitCode, CommandError> {
         files::mesh_format(&self.output)?;
         files::check_place(&self.output)?;
         self.certificate.as_deref().map_or(Ok(()), files::check_place)?;
         let camera = self.selection.load_camera()?;
-        let (model, _) = files::load_triangles(&self.model)?;
+        match (files::load_model(&self.model)?.0, self.selection.per_cell) {
+            (Model::Triangles(model), Some(per_cell)) => {
+                let clock = Clock::start();
+                let (state, outcome) = self.selection.run_per_cell(&model, per_cell);
+                self.finish(&*model, (state, outcome, clock.wall()), camera.as_ref())
+            }
+            (Model::Hierarchy { .. }, Some(_)) => Err(FileError::new(
+                &self.model,
+                "is a vertex hierarchy, which keeps no errors of single cells: --per-cell wants an explicit model",
+            )
+            .into()),
+            (Model::Triangles(model), None) => self.on(&*model, camera.as_ref()),
+            (Model::Hierarchy { replay, scheme }, None) => scheme
+                .visit(&replay, Take { extract: &self, camera: camera.as_ref() })
+                .map_err(|error| FileError::new(&self.model, error))?,
+            (Model::Tetrahedra(_), _) => Err(files::no_triangles(&self.model).into()),
+        }
+    }
+
+    fn on<M: MultiTessellation<3, Bound = Bound>>(
+        &self,
+        model: &M,
+        camera: Option<&Camera>,
+    ) -> Result<ExitCode, CommandError> {
         let clock = Clock::start();
-        let (state, outcome) = self.selection.run(&model, camera.as_ref())?;
-        let seconds = clock.wall();
-        let mesh = mesh_of(&model, &state.view.mesh);
+        let (state, outcome) = self.selection.run(model, camera)?;
+        self.finish(model, (state, outcome, clock.wall()), camera)
+    }
+
+    fn finish<M: MultiTessellation<3, Bound = Bound>>(
+        &self,
+        model: &M,
+        (state, outcome, seconds): Extracted<M>,
+        camera: Option<&Camera>,
+    ) -> Result<ExitCode, CommandError> {
+        let mesh = mesh_of(model, &state.view.mesh);
         if let Some(path) = &self.certificate {
-            let document = certificate::of_front(&model, self.selection.asked(camera.as_ref())?, state.front());
+            let document = certificate::of_front(model, self.selection.asked(camera)?, state.front());
             let document = document.map_err(|breach| CommandError::Other(format!("no certificate: {breach}")))?;
             certificate::write(path, &document)?;
         }
@@ -63,9 +100,9 @@ impl Extract {
             }));
             return Ok(ExitCode::SUCCESS);
         }
-        let base = model.base_cells().len();
+        let base = model.cell_count(&model.base());
         let note = match outcome.complete {
-            _ if self.selection.cells.is_some_and(|most| (most as usize) < base) => {
+            _ if self.selection.cells.is_some_and(|most| most < base) => {
                 format!("; the base mesh already has {base}, which no budget goes below")
             }
             true => String::new(),
@@ -83,5 +120,18 @@ impl Extract {
             seconds * 1e3,
         ));
         Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// Extracts from a hierarchy, whatever its dependencies.
+struct Take<'a> {
+    extract: &'a Extract,
+    camera: Option<&'a Camera>,
+}
+
+impl Visit for Take<'_> {
+    type Output = Result<ExitCode, CommandError>;
+    fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Self::Output {
+        self.extract.on(model, self.camera)
     }
 }

@@ -1,10 +1,12 @@
 //! `mtess info`: what is in a model.
 
 use super::{CommandError, print_json, print_text};
-use crate::files::{self, Model};
+use crate::files::{self, FileError, Model};
 use clap::Args;
-use mt_core::container::Meta;
-use mt_core::{Explicit, MultiTessellation, NodeId};
+use mt_core::container::{Meta, SectionInfo};
+use mt_core::hierarchy::Dependency;
+use mt_core::{Explicit, Hierarchy, MultiTessellation, NodeId};
+use operators::order::{Scheme, Visit};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -13,6 +15,9 @@ use std::process::ExitCode;
 pub struct Info {
     /// The model
     model: PathBuf,
+    /// Read the head of the file alone: what it says about itself, and where its bytes are
+    #[arg(long)]
+    head: bool,
     /// As JSON
     #[arg(long)]
     json: bool,
@@ -20,17 +25,98 @@ pub struct Info {
 
 impl Info {
     pub fn run(self) -> Result<ExitCode, CommandError> {
-        let (model, meta) = files::load_model(&self.model)?;
-        let facts = match &model {
-            Model::Triangles(model) => facts(model, &meta),
-            Model::Tetrahedra(model) => facts(model, &meta),
+        let archive = files::open_archive(&self.model)?;
+        let sections: Vec<SectionInfo> = archive.sections().collect();
+        let meta = archive.meta().clone();
+        drop(archive);
+        let mut facts = match self.head {
+            true => json!({ "meta": meta }),
+            false => match files::load_model(&self.model)?.0 {
+                Model::Triangles(model) => facts(&*model, &meta),
+                Model::Tetrahedra(model) => facts(&*model, &meta),
+                Model::Hierarchy { replay, scheme } => scheme
+                    .visit(&replay, Facts { meta: &meta, scheme })
+                    .map_err(|error| FileError::new(&self.model, error))?,
+            },
         };
         if self.json {
+            let told = |s: &SectionInfo| json!({ "name": s.name, "stored": s.stored, "bytes": s.length });
+            facts["file"] = sections.iter().map(told).collect();
             print_json(&facts);
+        } else if self.head {
+            print_text(&[head_text(&meta), sections_text(&sections)].concat().join("\n"));
         } else {
-            print_text(&text(&facts, &meta));
+            print_text(&[text(&facts, &meta), sections_text(&sections)].concat().join("\n"));
         }
         Ok(ExitCode::SUCCESS)
+    }
+}
+
+fn head_text(meta: &Meta) -> Vec<String> {
+    let kind = match &meta.dependency {
+        Some(scheme) => format!("a vertex hierarchy under {scheme}"),
+        None => format!("an explicit model of cells of {} corners", meta.corners),
+    };
+    vec![
+        format!("{} by {}: {kind}", meta.source, meta.operator),
+        format!("input          {} vertices, {} cells", meta.input_vertices, meta.input_cells),
+        format!("modifications  {} ({})", meta.modifications, meta.stopped),
+    ]
+}
+
+fn sections_text(sections: &[SectionInfo]) -> Vec<String> {
+    let stored: u64 = sections.iter().map(|section| section.stored).sum();
+    let unpacked: u64 = sections.iter().map(|section| section.length).sum();
+    let of = |s: &SectionInfo| format!("{} {}", s.name, s.stored);
+    let table = sections.iter().map(of).collect::<Vec<_>>().join(", ");
+    let packed = if stored < unpacked { format!(", {unpacked} unpacked") } else { String::new() };
+    vec![format!("in the file    {stored} bytes{packed}: {table}")]
+}
+
+/// The facts of a hierarchy, whatever its dependencies.
+struct Facts<'a> {
+    meta: &'a Meta,
+    scheme: Scheme,
+}
+
+impl Visit for Facts<'_> {
+    type Output = Value;
+    fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Value {
+        let (replay, meta) = (&model.replay, self.meta);
+        let vertices = f64::from(replay.leaf_count().max(1));
+        let order = mt_core::check::order_of(model).ok();
+        let errors = || (0..model.len()).map(|m| model.bound(NodeId(m)).error);
+        let leaves = order.as_ref().map(|order| (0..model.len()).filter(|&m| order.dependents(NodeId(m)).is_empty()));
+        let input = replay.reference();
+        let (diagonal, bounding_box) = (input.diagonal(), input.bounding_box());
+        json!({
+            "source": meta.source,
+            "operator": meta.operator,
+            "dependency": self.scheme.name(),
+            "corners": 3,
+            "vertices_in": replay.leaf_count(),
+            "cells_in": replay.cells().len(),
+            "links_in": replay.links().len(),
+            "cells_base": model.cell_count(&model.base()),
+            "vertices_total": replay.vertex_count(),
+            "modifications": model.len(),
+            "diagonal": diagonal,
+            "bounding_box": bounding_box.map(|(low, high)| [low.to_array(), high.to_array()]),
+            "arcs": order.as_ref().map(|order| order.arc_count()),
+            "depth": order.as_ref().map(|order| order.depth()),
+            "terminal_modifications": replay.roots().len(),
+            "leaf_modifications": leaves.map(Iterator::count),
+            "stopped": meta.stopped,
+            "error_kind": meta.error_kind,
+            "error_min": errors().reduce(f32::min),
+            "error_max": errors().reduce(f32::max),
+            "bytes": model.bytes(),
+            "bytes_per_vertex": model.bytes() as f64 / vertices,
+            "bytes_by_part": replay.bytes_table().into_iter().chain([("dependency", model.dependency.bytes())])
+                .map(|(name, bytes)| (name.to_owned(), json!(bytes))).collect::<serde_json::Map<_, _>>(),
+            "refusals": meta.refusals,
+            "load_report": meta.load_report,
+        })
     }
 }
 
@@ -85,11 +171,16 @@ fn get_corner(facts: &Value, i: usize) -> String {
     facts["bounding_box"][i].to_string()
 }
 
-fn text(facts: &Value, meta: &Meta) -> String {
+fn text(facts: &Value, meta: &Meta) -> Vec<String> {
     let get = |key: &str| facts[key].to_string().replace('"', "");
     let refusals: Vec<_> = meta.refusals.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
     let mut lines = vec![
-        format!("{} by {}", get("source"), get("operator")),
+        match &meta.dependency {
+            Some(_) => {
+                format!("{} by {}, a vertex hierarchy under {}", get("source"), get("operator"), get("dependency"))
+            }
+            None => format!("{} by {}", get("source"), get("operator")),
+        },
         format!(
             "input          {} vertices, {} cells of {} corners",
             get("vertices_in"),
@@ -118,5 +209,5 @@ fn text(facts: &Value, meta: &Meta) -> String {
         format!("refused plans  {}", if refusals.is_empty() { "none".into() } else { refusals.join(", ") }),
     ];
     lines.extend(meta.load_report.iter().map(|line| format!("on loading     {line}")));
-    lines.join("\n")
+    lines
 }

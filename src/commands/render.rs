@@ -1,12 +1,14 @@
 //! `mtess render`: a picture of an extracted mesh.
 
 use super::{CommandError, print_text};
-use crate::files;
+use crate::files::{self, Model};
 use crate::selection::Selection;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
-use mt_core::Camera;
+use mt_core::hierarchy::Dependency;
 use mt_core::model::mesh_of;
+use mt_core::{Camera, Hierarchy, Mesh};
+use operators::order::Visit;
 use papers::study::{cell_errors, cell_levels};
 use render::{Look, Overlay as Colours, Prefer};
 use std::path::PathBuf;
@@ -73,16 +75,7 @@ impl Render {
             return Err(CommandError::Other("--from-outside shows the frustum of --camera, which is missing".into()));
         }
         let camera = self.selection.load_camera()?;
-        let (model, _) = files::load_triangles(&self.model)?;
-        let (state, _) = self.selection.run(&model, camera.as_ref())?;
-        let mesh = mesh_of(&model, &state.view.mesh);
-        let values = if self.overlay.contains(&Overlay::Error) {
-            cell_errors(&model, &state.view.mesh)
-        } else if self.overlay.contains(&Overlay::Level) {
-            cell_levels(&model, &state.view.mesh)
-        } else {
-            Vec::new()
-        };
+        let Selected { mesh, values, extent: (low, high), cells_in } = self.selected(camera.as_ref())?;
         let range = Colours::range_of(&values);
         let overlay = match () {
             () if self.overlay.contains(&Overlay::Error) => Colours::Error { values: &values, range },
@@ -91,8 +84,6 @@ impl Render {
         };
         let look = Look { wireframe: self.overlay.contains(&Overlay::Wireframe), overlay, ..Look::default() };
         let mut scene = render::encode(&mesh, &look);
-        let input = model.reference();
-        let (low, high) = input.bounding_box().unwrap_or_default();
         if let Some(camera) = camera.as_ref().filter(|_| self.from_outside) {
             scene.add_frustum(camera, low, high);
         }
@@ -110,9 +101,39 @@ impl Render {
             "{}: {} of {} triangles, drawn by {painter}",
             self.output.display(),
             mesh.cell_count(),
-            input.cell_count()
+            cells_in
         ));
         Ok(ExitCode::SUCCESS)
+    }
+
+    /// Extracts what is to be drawn, and the values that colour it.
+    fn selected(&self, camera: Option<&Camera>) -> Result<Selected, CommandError> {
+        let coloured = self.overlay.contains(&Overlay::Error) || self.overlay.contains(&Overlay::Level);
+        match files::load_model(&self.model)?.0 {
+            Model::Triangles(model) => {
+                let state = match self.selection.per_cell {
+                    Some(per_cell) => self.selection.run_per_cell(&model, per_cell).0,
+                    None => self.selection.run(&*model, camera)?.0,
+                };
+                let values = if self.overlay.contains(&Overlay::Error) {
+                    cell_errors(&model, &state.view.mesh)
+                } else if coloured {
+                    cell_levels(&model, &state.view.mesh)
+                } else {
+                    Vec::new()
+                };
+                Ok(Selected::of(mesh_of(&*model, &state.view.mesh), values, &model.reference()))
+            }
+            Model::Hierarchy { .. } if coloured || self.selection.per_cell.is_some() => {
+                let what =
+                    "is a vertex hierarchy, which keeps no errors and levels of single cells: an explicit model does";
+                Err(files::FileError::new(&self.model, what).into())
+            }
+            Model::Hierarchy { replay, scheme } => scheme
+                .visit(&replay, Take { selection: &self.selection, camera })
+                .map_err(|error| files::FileError::new(&self.model, error))?,
+            Model::Tetrahedra(_) => Err(files::no_triangles(&self.model).into()),
+        }
     }
 
     fn viewpoint(&self, camera: Option<Camera>, low: Vec3, high: Vec3) -> Result<Camera, CommandError> {
@@ -130,5 +151,35 @@ impl Render {
             (from.width_px, from.height_px) = (width, height);
         }
         Ok(from)
+    }
+}
+
+/// What is to be drawn.
+struct Selected {
+    mesh: Mesh<3>,
+    /// Of each triangle, where colours show something.
+    values: Vec<f32>,
+    /// Of the input.
+    extent: (Vec3, Vec3),
+    cells_in: usize,
+}
+
+impl Selected {
+    fn of(mesh: Mesh<3>, values: Vec<f32>, input: &Mesh<3>) -> Self {
+        Self { mesh, values, extent: input.bounding_box().unwrap_or_default(), cells_in: input.cell_count() }
+    }
+}
+
+/// Extracts from a hierarchy, whatever its dependencies.
+struct Take<'a> {
+    selection: &'a Selection,
+    camera: Option<&'a Camera>,
+}
+
+impl Visit for Take<'_> {
+    type Output = Result<Selected, CommandError>;
+    fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Self::Output {
+        let (state, _) = self.selection.run(model, self.camera)?;
+        Ok(Selected::of(mesh_of(model, &state.view.mesh), Vec::new(), &model.replay.reference()))
     }
 }

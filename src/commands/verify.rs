@@ -3,16 +3,18 @@
 
 use super::{CommandError, print_json, print_text};
 use crate::certificate;
+use crate::coarsening::replay_of;
 use crate::files::{self, FileError, Model};
 use crate::progress::{Clock, Progress, interrupted};
 use crate::subject;
 use clap::Args;
-use mt_core::Explicit;
 use mt_core::container::Meta;
 use mt_core::format::LoadOptions;
+use mt_core::hierarchy::Dependency;
+use mt_core::{Bound, Explicit, Hierarchy, MultiTessellation, Replay};
 use multi_tessellation::verify::{self, Counterexample, Summary, Topology};
 use operators::AnyOperator;
-use operators::order::{Scheme, UnknownScheme};
+use operators::order::{Scheme, UnknownScheme, Visit};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -27,8 +29,8 @@ pub struct Verify {
     /// Of a mesh: what coarsens it, as in `mtess build` [default: edge-collapse]
     #[arg(long, value_name = "NAME[/METRIC]")]
     operator: Option<AnyOperator>,
-    /// Of a mesh: what steps wait for: explicit, one-ring, cut-pair, four-face, dual-piece, implicit-ids,
-    /// implicit-ids-stored, dual-piece-free, or all [default: all]
+    /// Of a mesh or a vertex hierarchy: what steps wait for: explicit, one-ring, cut-pair, four-face, dual-piece,
+    /// implicit-ids, implicit-ids-stored, dual-piece-free, or all [default: all for a mesh, else what the model was built for]
     #[arg(long, value_name = "NAME")]
     dependency: Option<Schemes>,
     /// Number of random fronts
@@ -72,16 +74,24 @@ impl Verify {
             return self.mesh();
         }
         let (model, meta) = files::load_model(&self.model)?;
-        for (option, given) in [("--operator", self.operator.is_some()), ("--dependency", self.dependency.is_some())] {
-            subject::refuse_for_models(&self.model, option, given)?;
+        subject::refuse_for_models(&self.model, "--operator", self.operator.is_some())?;
+        if !matches!(model, Model::Hierarchy { .. }) {
+            subject::refuse_for_models(&self.model, "--dependency", self.dependency.is_some())?;
         }
         match &model {
-            Model::Triangles(model) if self.certificate.is_some() => self.certified(model),
+            Model::Triangles(model) if self.certificate.is_some() => self.certified(&**model),
+            Model::Hierarchy { replay, scheme } if self.certificate.is_some() => {
+                scheme.visit(replay, Certify(&self)).map_err(|error| FileError::new(&self.model, error))?
+            }
             Model::Tetrahedra(_) if self.certificate.is_some() => {
                 Err(FileError::new(&self.model, "is a model of tetrahedra; certificates are of triangles").into())
             }
             Model::Triangles(model) => self.model(model, &meta),
             Model::Tetrahedra(model) => self.model(model, &meta),
+            Model::Hierarchy { replay, scheme } => {
+                let operator = subject::operator_or_usual(meta.operator.parse().ok().as_ref())?;
+                self.hierarchies(replay, &operator, self.dependency.unwrap_or(Schemes::One(*scheme)))
+            }
         }
     }
 
@@ -109,7 +119,7 @@ impl Verify {
     }
 
     /// Judges a certificate.
-    fn certified(&self, model: &Explicit<3>) -> Result<ExitCode, CommandError> {
+    fn certified(&self, model: &impl MultiTessellation<3, Bound = Bound>) -> Result<ExitCode, CommandError> {
         let path = self.certificate.as_deref().unwrap_or(&self.model);
         let nodes = certificate::check(path, model)?;
         if self.json {
@@ -128,16 +138,26 @@ impl Verify {
             eprint!("{load_report}");
         }
         let operator = subject::operator_or_usual(self.operator.as_ref())?;
-        let replay = Arc::new(subject::replay_of(&self.model, &mesh, &operator)?);
-        let (schemes, is_one) = match self.dependency {
-            Some(Schemes::One(scheme)) => (vec![scheme], true),
-            Some(Schemes::All) | None => (Scheme::ALL.to_vec(), false),
+        let replay = Arc::new(replay_of(&self.model, &mesh, &operator)?);
+        self.hierarchies(&replay, &operator, self.dependency.unwrap_or(Schemes::All))
+    }
+
+    /// Verifies the hierarchies of one sequence.
+    fn hierarchies(
+        &self,
+        replay: &Arc<Replay>,
+        operator: &AnyOperator,
+        schemes: Schemes,
+    ) -> Result<ExitCode, CommandError> {
+        let (schemes, is_one) = match schemes {
+            Schemes::One(scheme) => (vec![scheme], true),
+            Schemes::All => (Scheme::ALL.to_vec(), false),
         };
         let mut told: Vec<Value> = Vec::new();
         for scheme in schemes {
             let clock = Clock::start();
-            let options = self.options(topology_of(&operator));
-            let judged = self.watch(|watch| verify::scheme(&replay, scheme, &options, watch))?;
+            let options = self.options(topology_of(operator));
+            let judged = self.watch(|watch| verify::scheme(replay, scheme, &options, watch))?;
             let verdict = match judged {
                 Ok(verdict) => verdict,
                 Err(error) if is_one => return Err(FileError::new(&self.model, error).into()),
@@ -150,7 +170,7 @@ impl Verify {
                 }
             };
             match verdict {
-                Err(found) => return self.report(&found, Some((&operator, scheme))),
+                Err(found) => return self.report(&found, Some((operator, scheme))),
                 Ok(summary) => {
                     let seconds = clock.wall();
                     if !self.json {
@@ -223,6 +243,16 @@ impl Verify {
         }
         _ = write!(log, "seed: {}\n{}", self.seed, found.story());
         log
+    }
+}
+
+/// Judges a certificate of a hierarchy, whatever its dependencies.
+struct Certify<'a>(&'a Verify);
+
+impl Visit for Certify<'_> {
+    type Output = Result<ExitCode, CommandError>;
+    fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Self::Output {
+        self.0.certified(model)
     }
 }
 

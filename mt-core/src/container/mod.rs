@@ -5,31 +5,52 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | `89 4d 54 0d 0a 1a 0a 00`, so that text conversions show |
-//! | 4 | version of the format, now 1 |
+//! | 4 | version of the format, 1 or 2 |
 //! | 4 | number of sections |
 //! | 8 | length of the file |
-//! | 24 each | name (4 letters), CRC-32, offset and length of a section |
+//! | 24 or 40 each | name (4 letters), CRC-32, offset and length of a section; in version 2 also its length when unpacked, how it is packed (2 bytes) and zeros |
 //! | 4 | CRC-32 of all the above |
 //!
-//! Sections start at multiples of 64, with zeros between. `META` is JSON ([`Meta`]), the others are arrays of
-//! [`crate::explicit::Parts`] as they are in memory: `POSI`, `CORN`, `CSTA`, `FSTA`, `FINE`, `PARE`,
-//! `BNDS`. The order is not
-//! stored, it follows from the cells. Loading copies the arrays once and checks all of them.
+//! Sections start at multiples of 64, with zeros between. `META` is JSON ([`Meta`]), the others are arrays. Two kinds of models
+//! are kept: [`Explicit`] ones, all of their cells and bounds ([`write`]), and vertex hierarchies, as the input mesh and the
+//! sequence of its merges ([`write_story`]). What follows from these is not stored: orders follow from cells, a replay from a
+//! story. Loading copies the arrays once and checks all of them.
+//!
+//! Each section is packed by itself or not at all ([`Storage`]), so any of them can be had without the others ([`Archive`]).
 
+mod archive;
+mod explicit;
 mod layout;
+mod pack;
+mod story;
 
-use crate::cell::Cell;
-use crate::explicit::{ErrorKind, Explicit, Invalid, Parts};
-use crate::id::{CellId, VertexId};
-use crate::model::MultiTessellation;
+pub use archive::{Archive, SectionInfo};
+pub use explicit::{write, write_as};
+pub use story::write_story;
+
+use crate::explicit::{ErrorKind, Explicit, Invalid};
+use crate::hierarchy::Story;
 use bytemuck::{Pod, Zeroable};
-use layout::Section;
+use layout::{Entry, Section};
+use pack::Packing;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::io::Write;
+use std::io;
 
-/// The version that this code writes, and the newest that it reads.
-pub const VERSION: u32 = 1;
+/// The newest version that this code reads and writes. Files that need nothing of it are written as version 1.
+pub const VERSION: u32 = 2;
+
+/// How the sections of a file are stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Storage {
+    /// As in memory: fast to read, and the arrays can be mapped.
+    #[default]
+    Plain,
+    /// Packed without loss: about half the bytes (`[RFC8878]`).
+    Packed,
+}
 
 /// What a container says about its model besides the arrays.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -47,6 +68,9 @@ pub struct Meta {
     pub error_kind: ErrorKind,
     /// The operator that made the history, or where it came from.
     pub operator: String,
+    /// Of a vertex hierarchy: the dependency scheme it is to be read under. Nothing for explicit models.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dependency: Option<String>,
     /// Name of the input.
     pub source: String,
     /// Why analysis ended.
@@ -97,51 +121,29 @@ pub enum ContainerError {
         /// As asked for.
         wanted: u32,
     },
+    /// The model is of the other kind.
+    #[error("the file holds {0}")]
+    Kind(&'static str),
+    /// The system does not give the bytes.
+    #[error("{0}")]
+    Unreadable(String),
     /// Checksums fit, but the arrays are not a model.
     #[error("the file is not a model: {0}")]
     Invalid(#[from] Invalid),
 }
 
-/// Writes a model. Nothing is copied; the arrays are read twice, for checksums and for writing.
-///
-/// `meta` is completed with what the model itself knows.
-pub fn write<const N: usize>(model: &Explicit<N>, meta: &Meta, out: &mut impl Write) -> std::io::Result<()> {
-    let meta = Meta {
-        corners: N as u32,
-        input_vertices: model.input_vertex_count(),
-        input_cells: model.input_cell_count(),
-        modifications: model.len(),
-        error_kind: model.error_kind(),
-        ..meta.clone()
-    };
-    let json = serde_json::to_vec(&meta)?;
-    let parts = model.parts();
-    let corners: &[VertexId] = parts.corners.as_flattened();
-    layout::write(
-        &[
-            Section { name: *b"META", bytes: &json },
-            Section { name: *b"POSI", bytes: bytemuck::cast_slice(&parts.positions) },
-            Section { name: *b"CORN", bytes: bytemuck::cast_slice(corners) },
-            Section { name: *b"CSTA", bytes: bytemuck::cast_slice(&parts.coarse_start) },
-            Section { name: *b"FSTA", bytes: bytemuck::cast_slice(&parts.fine_start) },
-            Section { name: *b"FINE", bytes: bytemuck::cast_slice(&parts.fine) },
-            Section { name: *b"PARE", bytes: bytemuck::cast_slice(&parts.parents) },
-            Section { name: *b"BNDS", bytes: bytemuck::cast_slice(&parts.bounds) },
-        ],
-        out,
-    )
-}
-
 /// A container whose every byte has been checked, but whose arrays have not been looked at.
 pub struct Container<'a> {
-    sections: Vec<Section<'a>>,
+    sections: Vec<(Entry, &'a [u8])>,
     meta: Meta,
 }
 
 /// Opens a container. Refuses what is truncated, altered or newer; never panics. O(file).
 pub fn open(bytes: &[u8]) -> Result<Container<'_>, ContainerError> {
     let sections = layout::read(bytes)?;
-    let meta = meta_of(&sections)?;
+    let found = sections.iter().find(|(entry, _)| entry.name == *b"META");
+    let (entry, stored) = found.ok_or_else(|| missing(b"META"))?;
+    let meta = meta_of(&entry.unpacked(stored)?)?;
     Ok(Container { sections, meta })
 }
 
@@ -151,65 +153,90 @@ impl Container<'_> {
         &self.meta
     }
 
-    /// The model. Refuses arrays that are none; never panics. O(file).
+    /// Bytes that all sections take when unpacked. What a reader needs is at least that.
+    pub fn length(&self) -> u64 {
+        self.sections.iter().map(|(entry, _)| entry.length).fold(0, u64::saturating_add)
+    }
+
+    /// The explicit model. Refuses arrays that are none; never panics. O(file).
     pub fn model<const N: usize>(self) -> Result<(Explicit<N>, Meta), ContainerError> {
-        let model = model_of(&self.sections, &self.meta)?;
+        let model = explicit::read(&self)?;
         Ok((model, self.meta))
+    }
+
+    /// The story of a vertex hierarchy. Its arrays fit the counts; whether they are a sequence of merges of the mesh is for
+    /// [`Story::replay`] to find out. Never panics. O(file).
+    pub fn story(self) -> Result<(Story, Meta), ContainerError> {
+        let story = story::read(&self)?;
+        Ok((story, self.meta))
+    }
+
+    /// Refuses sections other than these, each once and in this order.
+    fn expect(&self, shapes: &[Shape]) -> Result<(), ContainerError> {
+        let are_those = self.sections.iter().map(|(entry, _)| entry.name).eq(shapes.iter().map(|shape| shape.name));
+        if are_those { Ok(()) } else { Err(ContainerError::Layout("the sections are not those of a model".into())) }
+    }
+
+    fn array<T: Pod + Zeroable>(&self, name: &[u8; 4]) -> Result<Vec<T>, ContainerError> {
+        let found = self.sections.iter().find(|(entry, _)| entry.name == *name);
+        let (entry, stored) = found.ok_or_else(|| missing(name))?;
+        let bytes = entry.unpacked(stored)?;
+        let size = size_of::<T>();
+        if !bytes.len().is_multiple_of(size) {
+            return Err(ContainerError::Layout(format!("{} is cut short", entry.title())));
+        }
+        let mut values = vec![T::zeroed(); bytes.len() / size];
+        bytemuck::cast_slice_mut(&mut values).copy_from_slice(&bytes);
+        Ok(values)
     }
 }
 
-/// Opens a container and reads its model.
+/// Opens a container and reads its explicit model.
 pub fn read<const N: usize>(bytes: &[u8]) -> Result<(Explicit<N>, Meta), ContainerError> {
     open(bytes)?.model()
 }
 
-/// The sections of version 1, each of which is there once.
-const SECTIONS: [&[u8; 4]; 8] = [b"META", b"POSI", b"CORN", b"CSTA", b"FSTA", b"FINE", b"PARE", b"BNDS"];
-
-fn model_of<const N: usize>(sections: &[Section<'_>], meta: &Meta) -> Result<Explicit<N>, ContainerError> {
-    if !sections.iter().map(|section| &section.name).eq(SECTIONS) {
-        return Err(ContainerError::Layout("the sections are not those of a model".into()));
-    }
-    if meta.corners != N as u32 {
-        return Err(ContainerError::Corners { found: meta.corners, wanted: N as u32 });
-    }
-    let corners: Vec<VertexId> = array(sections, b"CORN")?;
-    let (cells, rest) = corners.as_chunks::<N>();
-    if !rest.is_empty() {
-        return Err(ContainerError::Layout("the cells are cut short".into()));
-    }
-    let cells: Vec<Cell<N>> = cells.to_vec();
-    drop(corners);
-    let parts = Parts {
-        positions: array(sections, b"POSI")?,
-        input_vertex_count: meta.input_vertices,
-        corners: cells,
-        coarse_start: array(sections, b"CSTA")?,
-        fine_start: array(sections, b"FSTA")?,
-        fine: array::<CellId>(sections, b"FINE")?,
-        parents: array(sections, b"PARE")?,
-        bounds: array(sections, b"BNDS")?,
-        error_kind: meta.error_kind,
-    };
-    let model = Explicit::from_parts(parts)?;
-    let fits = model.len() == meta.modifications && model.input_cell_count() == meta.input_cells;
-    if fits { Ok(model) } else { Err(ContainerError::Layout("metadata and arrays disagree in counts".into())) }
+/// A section's name, and how its bytes are packed where they are.
+struct Shape {
+    name: [u8; 4],
+    packing: Packing,
 }
 
-fn meta_of(sections: &[Section<'_>]) -> Result<Meta, ContainerError> {
-    let bytes = layout::find(sections, b"META")?;
+/// Records of so many words, of which those that follow each other are alike.
+const fn ids(name: &[u8; 4], columns: u8) -> Shape {
+    Shape { name: *name, packing: Packing::Words { columns, differences: true } }
+}
+
+/// Records of so many words that share no more than their upper bytes.
+const fn numbers(name: &[u8; 4], columns: u8) -> Shape {
+    Shape { name: *name, packing: Packing::Words { columns, differences: false } }
+}
+
+const TEXT: Shape = Shape { name: *b"META", packing: Packing::Text };
+
+/// Writes these bytes as sections of these shapes.
+fn write_sections(shapes: &[Shape], bytes: &[&[u8]], storage: Storage, out: &mut impl io::Write) -> io::Result<()> {
+    debug_assert_eq!(shapes.len(), bytes.len());
+    let sections = shapes.par_iter().zip(bytes).map(|(shape, bytes)| section(shape, bytes, storage));
+    layout::write(&sections.collect::<io::Result<Vec<_>>>()?, out)
+}
+
+fn section<'a>(shape: &Shape, bytes: &'a [u8], storage: Storage) -> io::Result<Section<'a>> {
+    let (name, length) = (shape.name, bytes.len() as u64);
+    Ok(match storage {
+        Storage::Plain => Section { name, bytes: Cow::Borrowed(bytes), packing: Packing::Plain, length },
+        Storage::Packed => {
+            Section { name, bytes: Cow::Owned(pack::pack(bytes, shape.packing)?), packing: shape.packing, length }
+        }
+    })
+}
+
+fn missing(name: &[u8; 4]) -> ContainerError {
+    ContainerError::Layout(format!("section {} is missing", String::from_utf8_lossy(name)))
+}
+
+fn meta_of(bytes: &[u8]) -> Result<Meta, ContainerError> {
     serde_json::from_slice(bytes).map_err(|error| ContainerError::Layout(format!("metadata: {error}")))
-}
-
-fn array<T: Pod + Zeroable>(sections: &[Section<'_>], name: &[u8; 4]) -> Result<Vec<T>, ContainerError> {
-    let bytes = layout::find(sections, name)?;
-    let size = size_of::<T>();
-    if !bytes.len().is_multiple_of(size) {
-        return Err(ContainerError::Layout(format!("section {} is cut short", String::from_utf8_lossy(name))));
-    }
-    let mut values = vec![T::zeroed(); bytes.len() / size];
-    bytemuck::cast_slice_mut(&mut values).copy_from_slice(bytes);
-    Ok(values)
 }
 
 #[cfg(target_endian = "big")]

@@ -86,14 +86,19 @@ impl Sequence {
         sequence.starts = take(starts);
         sequence.children = take(nodes).into_iter().map(VertexId).collect();
         sequence.errors = take(nodes).into_iter().map(f32::from_bits).collect();
-        let mut flags = Bits::new(if kept == 0 { 0 } else { merges });
-        for merge in take(kept) {
-            if merge >= merges || !flags.insert(merge) {
-                return Err(SequenceError::Kept(merge));
-            }
-        }
-        sequence.kept = flags;
+        sequence.keep(&take(kept))?;
         Ok(sequence)
+    }
+
+    /// Marks these merges, and no others, as ones that keep their centre.
+    pub(crate) fn keep(&mut self, kept: &[u32]) -> Result<(), SequenceError> {
+        let merges = self.merge_count();
+        let mut flags = Bits::new(if kept.is_empty() { 0 } else { merges });
+        if let Some(&merge) = kept.iter().find(|&&merge| merge >= merges || !flags.insert(merge)) {
+            return Err(SequenceError::Kept(merge));
+        }
+        self.kept = flags;
+        Ok(())
     }
 }
 

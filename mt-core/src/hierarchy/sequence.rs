@@ -87,10 +87,6 @@ impl Sequence {
         }
         self.kept.insert(merge);
     }
-
-    fn name(&self, v: VertexId) -> VertexId {
-        self.names[v.index()]
-    }
 }
 
 impl Listener<3> for Sequence {
@@ -107,9 +103,12 @@ impl Listener<3> for Sequence {
         if errors.iter().chain([&plan.error]).any(|error| !(error.is_finite() && *error >= 0.0)) {
             return Err(HistoryError::NotFinite("an error"));
         }
-        let errors: Vec<f32> = (0..others.len()).map(|i| errors.get(i).copied().unwrap_or(plan.error)).collect();
-        let children: Vec<VertexId> = others.iter().map(|&v| self.name(v)).collect();
-        let merged = self.push(self.name(center), children, errors, position, plan.kept.is_some());
+        let errors = (0..others.len()).map(|i| errors.get(i).copied().unwrap_or(plan.error));
+        // Out of the way of `push`, which needs none of them.
+        let names = std::mem::take(&mut self.names);
+        let children = others.iter().map(|v| names[v.index()]);
+        let merged = self.push(names[center.index()], children, errors, position, plan.kept.is_some());
+        self.names = names;
         match plan.kept {
             Some(kept) => self.names[kept.index()] = merged,
             None => self.names.push(merged),

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use mt_core::analysis::Draft;
 use mt_core::mesh::area_vector;
-use mt_core::{Complex, Refusal, VertexId};
+use mt_core::{Complex, Refusal, Slot, VertexId};
 
 /// The link condition for an edge of a manifold: `Lk(u) ∩ Lk(v) = Lk(uv)`, in vertices and in edges, with a cone vertex
 /// over the boundary (`[DeyEdelsbrunner1999]`). O(degree of u × degree of v).
@@ -14,26 +14,13 @@ pub(crate) fn link_condition(
     coherent: bool,
     scratch: &mut Vec<VertexId>,
 ) -> Result<(), Refusal> {
-    let mut shared = [VertexId::NONE; 2];
-    let mut count = 0;
-    for (slot, i) in complex.star(u) {
-        let cell = complex.cell(slot);
-        if let Some(&apex) =
-            cell.iter().enumerate().find(|&(k, &w)| k != i && w != v).filter(|_| cell.contains(&v)).map(|(_, w)| w)
-        {
-            if count == 2 {
-                return Err(Refusal::Link);
-            }
-            shared[count] = apex;
-            count += 1;
-        }
-    }
+    let Some((count, shared)) = shared_triangles(complex, [u, v], scratch) else { return Err(Refusal::Link) };
     if count == 2 && on_boundary == [true, true] {
         return Err(Refusal::Pinch);
     }
     // Around an inner vertex of a coherently oriented mesh each neighbour comes first in one triangle.
     let common = if coherent && on_boundary == [false, false] {
-        common_followers(complex, u, v, scratch)
+        common_followers(complex, v, scratch)
     } else {
         ring(complex, u, scratch);
         common_neighbours(complex, u, v, scratch)
@@ -79,12 +66,43 @@ fn common_neighbours(complex: &Complex<3>, u: VertexId, v: VertexId, ring_of_u: 
     count
 }
 
-/// How many vertices follow both `u` and `v` in a triangle.
-fn common_followers(complex: &Complex<3>, u: VertexId, v: VertexId, scratch: &mut Vec<VertexId>) -> usize {
-    let followers = |w: VertexId| complex.star(w).map(|(slot, i)| complex.cell(slot)[(i + 1) % 3]);
-    scratch.clear();
-    scratch.extend(followers(u));
-    followers(v).filter(|w| scratch.contains(w)).count()
+/// How many triangles have both vertices, and the third corners of these; `None` where they are more than two. Who follows
+/// `u` in a triangle is written over `followers`.
+#[inline]
+fn shared_triangles(
+    complex: &Complex<3>,
+    [u, v]: [VertexId; 2],
+    followers: &mut Vec<VertexId>,
+) -> Option<(usize, [VertexId; 2])> {
+    let mut shared = [VertexId::NONE; 2];
+    let mut count = 0;
+    followers.clear();
+    for (slot, i) in complex.star(u) {
+        let [next, last] = sides(complex, slot, i);
+        followers.push(next);
+        if next == v || last == v {
+            *shared.get_mut(count)? = if next == v { last } else { next };
+            count += 1;
+        }
+    }
+    Some((count, shared))
+}
+
+/// How many vertices that follow `v` in a triangle are among these.
+#[inline]
+fn common_followers(complex: &Complex<3>, v: VertexId, followers: &[VertexId]) -> usize {
+    complex.star(v).filter(|&(slot, i)| followers.contains(&sides(complex, slot, i)[0])).count()
+}
+
+/// The corners of a triangle after corner `i`, in its turn.
+#[inline]
+pub(super) fn sides(complex: &Complex<3>, slot: Slot, i: usize) -> [VertexId; 2] {
+    let cell = complex.cell(slot);
+    match i {
+        0 => [cell[1], cell[2]],
+        1 => [cell[2], cell[0]],
+        _ => [cell[0], cell[1]],
+    }
 }
 
 fn has_triangle(complex: &Complex<3>, u: VertexId, a: VertexId, b: VertexId) -> bool {
@@ -93,15 +111,15 @@ fn has_triangle(complex: &Complex<3>, u: VertexId, a: VertexId, b: VertexId) -> 
 
 /// Refuses when a triangle of either star that survives would turn by more than the cosine allows, or lose its area.
 pub(crate) fn fold_over(draft: &Draft<3>, ends: [VertexId; 2], position: Vec3, cosine: f64) -> Result<(), Refusal> {
-    for end in ends {
+    for [end, other] in [ends, [ends[1], ends[0]]] {
         let [old, new] = [draft.positions[end.index()], position].map(|p| p.as_dvec3());
         if old == new {
             continue;
         }
         for (slot, i) in draft.complex.star(end) {
-            let cell = draft.complex.cell(slot);
-            if !(cell.contains(&ends[0]) && cell.contains(&ends[1])) {
-                let [a, b] = [cell[(i + 1) % 3], cell[(i + 2) % 3]].map(|v| draft.positions[v.index()].as_dvec3());
+            let sides = sides(&draft.complex, slot, i);
+            if !sides.contains(&other) {
+                let [a, b] = sides.map(|v| draft.positions[v.index()].as_dvec3());
                 turn([old, a, b], [new, a, b], cosine)?;
             }
         }
@@ -110,6 +128,7 @@ pub(crate) fn fold_over(draft: &Draft<3>, ends: [VertexId; 2], position: Vec3, c
 }
 
 /// Refuses when a triangle turns by more than the cosine allows, or loses its area.
+#[inline]
 pub(crate) fn turn(before: [DVec3; 3], after: [DVec3; 3], cosine: f64) -> Result<(), Refusal> {
     let (old, new) = (area_vector(before), area_vector(after));
     if new == DVec3::ZERO {

@@ -193,6 +193,9 @@ impl<M: Metric> Operator<3> for EdgeCollapse<M> {
     }
 }
 
+/// The places of the two ends.
+const END: [Place; 2] = [Place::First, Place::Second];
+
 /// Where a collapse leads: an offer of the metric, and the end that stays, if one does.
 #[derive(Copy, Clone, Debug)]
 struct Target {
@@ -205,21 +208,23 @@ impl<M: Metric> EdgeCollapse<M> {
     fn target(&self, draft: &Draft<3>, aux: &Aux<M::State>, site: Edge) -> Target {
         let ends = [site.a, site.b];
         let pair = self.metric.pair(draft, &aux.metric, ends);
-        let offer = |place| self.metric.offer(draft, ends, &pair, place);
-        let at_end = |end: usize| offer([Place::First, Place::Second][end]);
-        if let Some(locked) = self.locked_end(aux, site) {
-            return Target { offer: at_end(locked), kept: Some(ends[locked]) };
-        }
-        match self.placement {
-            Placement::End => {
-                let offers = [at_end(0), at_end(1)];
-                let cheaper = usize::from(offers[1].price < offers[0].price);
+        let (place, kept) = match (self.locked_end(aux, site), self.placement) {
+            (Some(locked), _) => (END[locked], Some(ends[locked])),
+            (None, Placement::Optimal) if site.second => (Place::Middle, None),
+            (None, Placement::Optimal) => (Place::Best, None),
+            (None, Placement::End) => {
+                let cheaper = self.cheaper_end(draft, ends, &pair);
                 let chosen = if site.second { 1 - cheaper } else { cheaper };
-                Target { offer: offers[chosen], kept: Some(ends[chosen]) }
+                (END[chosen], Some(ends[chosen]))
             }
-            Placement::Optimal if site.second => Target { offer: offer(Place::Middle), kept: None },
-            Placement::Optimal => Target { offer: offer(Place::Best), kept: None },
-        }
+        };
+        // Asked in one place, so that it becomes one with what asks.
+        Target { offer: self.metric.offer(draft, ends, &pair, place), kept }
+    }
+
+    fn cheaper_end(&self, draft: &Draft<3>, ends: [VertexId; 2], pair: &M::Pair) -> usize {
+        let [first, second] = END.map(|place| self.metric.offer(draft, ends, pair, place).price);
+        usize::from(second < first)
     }
 
     /// Stamps of so many vertices, where they are needed.
@@ -279,22 +284,25 @@ fn fill(draft: &Draft<3>, site: Edge, target: &Target, plan: &mut Plan<3>) {
     };
     let complex = &draft.complex;
     let gone = if ends[0] == ends[1] { &ends[..1] } else { &ends[..] };
+    let mut dying = [None; 2];
     for &end in gone {
         let other = if end == site.a { site.b } else { site.a };
+        let mut both = dying.iter_mut();
         for (slot, i) in complex.star(end) {
-            let mut cell = *complex.cell(slot);
-            if !cell.contains(&other) {
-                cell[i] = into;
-                plan.kills.push(slot);
-                plan.makes.push(cell);
+            if legal::sides(complex, slot, i).contains(&other) {
+                *both.next().expect("an edge of a manifold has one triangle or two") = Some(slot);
+                continue;
             }
+            let mut cell = *complex.cell(slot);
+            cell[i] = into;
+            plan.kills.push(slot);
+            plan.makes.push(cell);
         }
     }
-    let has_both = |slot: &u32| complex.cell(*slot).contains(&site.a) && complex.cell(*slot).contains(&site.b);
     if target.kept.is_some() {
         remake_behind(complex, gone[0], into, plan);
     }
-    plan.kills.extend(complex.star(gone[0]).map(|(slot, _)| slot).filter(has_both));
+    plan.kills.extend(dying.into_iter().flatten());
     plan.retired.extend_from_slice(gone);
     plan.kept = target.kept;
     if target.kept.is_none() {

@@ -213,12 +213,13 @@ impl Metric for Quadrics {
         quadrics[ends[0].index()] + quadrics[ends[1].index()]
     }
 
-    #[inline]
+    #[inline(always)]
     fn offer(&self, draft: &Draft<3>, ends: [VertexId; 2], quadric: &Quadric, place: Place) -> Offer {
         let ends = ends_of(draft, ends);
         let position = fixed(ends, place).unwrap_or_else(|| optimal(ends.map(|p| p.as_dvec3()), quadric).as_vec3());
         let at = position.as_dvec3();
-        Offer { position, price: quadric.value(at), error: quadric.distance(at) }
+        let value = quadric.value(at);
+        Offer { position, price: value, error: quadric.root(value) }
     }
 
     fn merged(&self, _: &Draft<3>, quadrics: &mut Vec<Quadric>, merge: &Merge) {

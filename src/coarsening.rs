@@ -1,0 +1,75 @@
+//! How commands coarsen a mesh: as a whole, or a large one region by region, with a bar and an ear for Ctrl-C.
+
+use crate::commands::CommandError;
+use crate::files::FileError;
+use crate::progress::{Progress, interrupted};
+use mt_core::analysis::{AnalysisError, Ended, Options, RegionListener, Regions, Stopped, Unfit};
+use mt_core::{ErrorKind, Mesh, Replay, Sequence};
+use operators::AnyOperator;
+use std::path::Path;
+
+/// Meshes of so many triangles are coarsened region by region, if nothing else is said: below, one queue for all does not
+/// leave the cache by much.
+const LARGE: usize = 400_000;
+
+/// What coarsens a mesh, and how.
+pub struct Coarsening {
+    pub operator: AnyOperator,
+    pub options: Options,
+    /// The regions it goes by, if it does.
+    pub regions: Option<Regions>,
+}
+
+impl Coarsening {
+    /// To the end, by `operator`, as is usual for such a mesh.
+    pub fn usual(mesh: &Mesh<3>, operator: &AnyOperator) -> Self {
+        let options = Options::default();
+        let regions = usual_regions(mesh, operator, &options, 0);
+        Self { operator: operator.clone(), options, regions }
+    }
+
+    /// Coarsens the mesh in this file, and tells `listener`.
+    pub fn run(
+        &self,
+        path: &Path,
+        mesh: &Mesh<3>,
+        listener: &mut impl RegionListener<3>,
+    ) -> Result<Ended, CommandError> {
+        let Self { operator, options, regions } = self;
+        let mut progress = Progress::new("coarsening", mesh.cell_count() as u64);
+        let mut watch = |at: mt_core::analysis::Progress| progress.at((at.cells_in - at.cells) as u64);
+        let ended = match regions {
+            Some(regions) => operator.analyse_by_regions(mesh, options, regions, listener, &mut watch),
+            None => operator.analyse(mesh, options, listener, &mut watch),
+        };
+        let ended = ended.map_err(|error| explain(path, error))?;
+        let cut_short = ended.stopped == Stopped::Cancelled || interrupted();
+        if cut_short { Err(CommandError::Interrupted) } else { Ok(ended) }
+    }
+}
+
+/// The regions that such a mesh is usually coarsened by, if any.
+pub fn usual_regions(mesh: &Mesh<3>, operator: &AnyOperator, options: &Options, threads: usize) -> Option<Regions> {
+    let measured = options.error_kind == ErrorKind::Measured;
+    let by_regions = mesh.cell_count() >= LARGE && !measured && operator.works_by_regions();
+    by_regions.then(|| Regions { threads, ..Regions::default() })
+}
+
+/// An analysis of this file that failed, with the way out where there is one.
+pub fn explain(path: &Path, error: AnalysisError) -> CommandError {
+    let way_out = match error {
+        AnalysisError::Unfit(Unfit::NonManifold { .. }) => {
+            "; --non-manifold split separates the sheets, --operator vertex-pair takes the mesh as it is"
+        }
+        _ => "",
+    };
+    FileError::new(path, format!("{error}{way_out}")).into()
+}
+
+/// Coarsens a mesh and keeps its merges.
+pub fn replay_of(path: &Path, mesh: &Mesh<3>, operator: &AnyOperator) -> Result<Replay, CommandError> {
+    let mut sequence = Sequence::new(mesh);
+    Coarsening::usual(mesh, operator).run(path, mesh, &mut sequence)?;
+    let replay = Replay::new(mesh, &operator.links(mesh), &sequence);
+    replay.map_err(|error| FileError::new(path, error).into())
+}

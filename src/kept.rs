@@ -1,0 +1,103 @@
+//! What a build keeps of an analysis: all cells as an explicit model, or the merges of vertices.
+
+use crate::coarsening::{Coarsening, explain};
+use crate::commands::CommandError;
+use crate::files::FileError;
+use mt_core::analysis::Ended;
+use mt_core::container::{self, Meta, Storage};
+use mt_core::hierarchy::{Dependency, Story};
+use mt_core::{ErrorKind, Explicit, Hierarchy, Mesh, MultiTessellation, Recorder, Sequence};
+use operators::order::{Scheme, Visit};
+use std::io::{self, Write};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A model, in the form in which it is written.
+pub enum Kept {
+    /// All cells.
+    Cells(Box<Explicit<3>>),
+    /// The merges, and what there is to tell of the hierarchy.
+    Merges { story: Story, scheme: Scheme, facts: MergeFacts },
+}
+
+/// What there is to tell of a hierarchy.
+pub struct MergeFacts {
+    base: usize,
+    bytes: usize,
+}
+
+impl Kept {
+    /// Coarsens the mesh of this file and keeps all cells.
+    pub fn cells(path: &Path, mesh: &Mesh<3>, coarsening: &Coarsening) -> Result<(Self, Ended), CommandError> {
+        let mut recorder = Recorder::new(mesh).map_err(|error| explain(path, error.into()))?;
+        let ended = coarsening.run(path, mesh, &mut recorder)?;
+        let model = recorder.finish(coarsening.options.error_kind);
+        Ok((Self::Cells(Box::new(model.map_err(|error| explain(path, error.into()))?)), ended))
+    }
+
+    /// Coarsens the mesh of this file and keeps the merges, once it is sure that a hierarchy under the scheme follows.
+    pub fn merges(
+        path: &Path,
+        mesh: Mesh<3>,
+        coarsening: &Coarsening,
+        scheme: Scheme,
+    ) -> Result<(Self, Ended), CommandError> {
+        let mut sequence = Sequence::new(&mesh);
+        let ended = coarsening.run(path, &mesh, &mut sequence)?;
+        let links = coarsening.operator.links(&mesh);
+        let story = Story { mesh, links, sequence };
+        let replay = Arc::new(story.replay().map_err(|error| FileError::new(path, error))?);
+        let facts = scheme.visit(&replay, Count).map_err(|error| FileError::new(path, error))?;
+        Ok((Self::Merges { story, scheme, facts }, ended))
+    }
+
+    /// Writes the model.
+    pub fn write(&self, meta: &Meta, storage: Storage, mut out: &mut dyn Write) -> io::Result<()> {
+        match self {
+            Self::Cells(model) => container::write_as(model, meta, storage, &mut out),
+            Self::Merges { story, scheme, .. } => container::write_story(story, scheme.name(), meta, storage, &mut out),
+        }
+    }
+
+    /// Number of modifications.
+    pub fn len(&self) -> u32 {
+        match self {
+            Self::Cells(model) => model.len(),
+            Self::Merges { story, .. } => story.sequence.node_count(),
+        }
+    }
+
+    /// Cells of the base mesh.
+    pub fn base(&self) -> usize {
+        match self {
+            Self::Cells(model) => model.base_cells().len(),
+            Self::Merges { facts, .. } => facts.base,
+        }
+    }
+
+    /// Bytes in memory.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Cells(model) => model.bytes(),
+            Self::Merges { facts, .. } => facts.bytes,
+        }
+    }
+
+    /// What the errors promise.
+    pub fn error_kind(&self) -> ErrorKind {
+        match self {
+            Self::Cells(model) => model.error_kind(),
+            Self::Merges { .. } => ErrorKind::Estimate,
+        }
+    }
+}
+
+/// Counts the base mesh and the bytes of a hierarchy, whatever its dependencies.
+struct Count;
+
+impl Visit for Count {
+    type Output = MergeFacts;
+    fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> MergeFacts {
+        MergeFacts { base: model.cell_count(&model.base()) as usize, bytes: model.bytes() }
+    }
+}
