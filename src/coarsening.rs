@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// Meshes of so many triangles are coarsened region by region, if nothing else is said: below, one queue for all does not
 /// leave the cache by much.
-const LARGE: usize = 400_000;
+const LARGE: usize = 40_000;
 
 /// What coarsens a mesh, and how.
 pub struct Coarsening {
@@ -66,7 +66,7 @@ pub fn explain(path: &Path, error: AnalysisError) -> CommandError {
     FileError::new(path, format!("{error}{way_out}")).into()
 }
 
-/// Coarsens a mesh and keeps its merges.
+/// Coarsens a mesh and keeps its merges; with the input numbered as it came.
 pub fn replay_of(path: &Path, mesh: &Mesh<3>, operator: &AnyOperator) -> Result<Replay, CommandError> {
     let mut sequence = Sequence::new(mesh);
     Coarsening::usual(mesh, operator).run(path, mesh, &mut sequence)?;

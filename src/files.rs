@@ -244,6 +244,16 @@ pub fn check_folder(path: &Path) -> Result<(), FileError> {
     if path.is_dir() { Ok(()) } else { Err(FileError::new(path, "is no folder")) }
 }
 
+/// Bytes of a file.
+pub fn length(path: &Path) -> Result<u64, FileError> {
+    std::fs::metadata(path).map(|about| about.len()).map_err(|error| FileError::new(path, error))
+}
+
+/// Takes a file of our own away.
+pub fn remove(path: &Path) {
+    _ = std::fs::remove_file(path);
+}
+
 /// Takes a folder away in which nothing has been put.
 pub fn remove_empty_folder(path: &Path) {
     _ = std::fs::remove_dir(path);

@@ -5,6 +5,7 @@ mod coarsening;
 mod commands;
 mod files;
 mod kept;
+mod memory;
 mod progress;
 mod selection;
 mod subject;

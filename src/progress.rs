@@ -26,6 +26,14 @@ impl Progress {
         Self { bar, begun: Instant::now(), shown: false }
     }
 
+    /// One step more begins; whether to go on.
+    pub fn step(&mut self) -> bool {
+        let at = self.bar.position();
+        let go_on = self.at(at);
+        self.bar.set_position(at + 1);
+        go_on
+    }
+
     /// Notes progress; whether to go on.
     pub fn at(&mut self, position: u64) -> bool {
         if !self.shown && self.begun.elapsed() > SILENT {
@@ -103,11 +111,4 @@ fn cpu_seconds() -> f64 {
     // Without a clock of the process the wall has to do.
     static BEGUN: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
     BEGUN.get_or_init(Instant::now).elapsed().as_secs_f64()
-}
-
-/// The largest resident size of this process so far, where the system tells it.
-pub fn peak_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
 }

@@ -7,6 +7,7 @@
 use crate::mesh::area_vector;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
+use std::sync::LazyLock;
 
 /// Bound of a modification. 24 bytes.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -123,6 +124,20 @@ impl Cone {
         (self != Self::EMPTY).then(|| (axis, f32::from(self.angle) * std::f32::consts::PI / STEPS))
     }
 
+    /// An axis that is no unit vector, and sine and cosine of the half-angle. `None` without normals. For whoever asks so
+    /// often that the trigonometry of [`Self::get`] shows.
+    #[inline]
+    pub fn slope(self) -> Option<(DVec3, f64, f64)> {
+        static SLOPES: LazyLock<[[f64; 2]; 255]> = LazyLock::new(|| {
+            std::array::from_fn(|steps| {
+                let (sine, cosine) = (steps as f64 * std::f64::consts::PI / f64::from(STEPS)).sin_cos();
+                [sine, cosine]
+            })
+        });
+        let [sine, cosine] = *SLOPES.get(usize::from(self.angle))?;
+        Some((DVec3::from(self.axis.map(f64::from)), sine, cosine))
+    }
+
     /// A cone about `axis` that holds everything within `angle` radians of it, rounded outwards.
     pub fn new(axis: Vec3, angle: f32) -> Self {
         let Some(axis) = axis.try_normalize() else { return Self::ALL };
@@ -226,6 +241,16 @@ mod tests {
             let cone = Cone::of_vectors(&mut normals.clone());
             let (axis, angle) = cone.get().unwrap();
             for n in normals { prop_assert!(axis.angle_between(n) <= angle, "{:?} {:?}", cone, n); }
+        }
+
+        #[test]
+        fn a_slope_is_the_cone_it_is_of(axis in direction(), angle in 0f32..3.2) {
+            let cone = Cone::new(axis, angle);
+            let (unit, half) = cone.get().unwrap();
+            let (along, sine, cosine) = cone.slope().unwrap();
+            prop_assert!((along.normalize().as_vec3() - unit).length() < 1e-6);
+            prop_assert!((sine - f64::from(half).sin()).abs() < 1e-6 && (cosine - f64::from(half).cos()).abs() < 1e-6);
+            prop_assert_eq!(Cone::EMPTY.slope(), None);
         }
 
         #[test]

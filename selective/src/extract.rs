@@ -47,7 +47,7 @@ pub(crate) fn expand<const N: usize, M: MultiTessellation<N>, S: Sink<N>>(
     let start = state.steps.len();
     let mut asked = 0;
     while let Some(m) = state.scratch.open.pop() {
-        let Some(Urgent { node, .. }) = judge.goal(m, &state.view.front) else { continue };
+        let Some(node) = judge.target(m, &state.view.front) else { continue };
         let mark = state.steps.len();
         if !state.view.front.is_refined(node) {
             state.force_counted(judge.model, node);

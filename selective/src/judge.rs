@@ -30,6 +30,11 @@ impl<'a, const N: usize, M: MultiTessellation<N>, C: Criterion<M::Bound>> Judge<
         self.criterion.asks(&self.model.bound(m), self.before.unwrap_or(front).is_refined(m))
     }
 
+    /// If `m` is asked for: what to refine, as [`Self::goal`] says, where it does not matter how urgently.
+    pub(crate) fn target(&self, m: NodeId, front: &Front) -> Option<NodeId> {
+        if C::RUNS { self.goal(m, front).map(|goal| goal.node) } else { self.asks(m, front).then_some(m) }
+    }
+
     /// If `m` is asked for: how urgently, and what to refine. That is `m`, or where its run is judged as one the first
     /// node of the run, which needs all others.
     pub(crate) fn goal(&self, m: NodeId, front: &Front) -> Option<Urgent> {

@@ -1,5 +1,6 @@
 //! The command line: one file per command.
 
+mod bench;
 mod bisect;
 mod build;
 mod extract;
@@ -40,6 +41,8 @@ enum Command {
     Render(render::Render),
     /// Build, extract along a camera path, measure and render; write a report
     Study(study::Study),
+    /// Measure what models cost to build, to keep and to step, and how good they are; write a report
+    Bench(bench::Bench),
 }
 
 /// Why a command failed, as one line.
@@ -70,6 +73,7 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Bisect(command) => command.run(),
         Command::Render(command) => command.run(),
         Command::Study(command) => command.run(),
+        Command::Bench(command) => command.run(),
     }
 }
 

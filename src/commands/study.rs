@@ -161,7 +161,7 @@ impl Study {
 }
 
 /// Choices by name, each once; `all` stands for all of them.
-fn chosen<T>(names: &[String], all: &[&str]) -> Result<Vec<T>, CommandError>
+pub(super) fn chosen<T>(names: &[String], all: &[&str]) -> Result<Vec<T>, CommandError>
 where
     T: std::str::FromStr,
     T::Err: std::fmt::Display,
@@ -210,7 +210,7 @@ impl study::Cache for Folder {
 }
 
 /// What a model is called in the study: its file without the ending.
-fn name_of(path: &Path) -> String {
+pub(super) fn name_of(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 

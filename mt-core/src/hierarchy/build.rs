@@ -97,7 +97,8 @@ impl Replay {
             cells: mesh.cells.clone(),
             links: links.to_vec(),
             positions,
-            ranks,
+            leaf_count: sequence.input_vertex_count,
+            ranks: ranks_or_none(ranks),
             merged_at,
             merges,
             nodes: nodes.map(|(&child, &error)| Node { child, error, radius: 0.0, cone: Cone::EMPTY }).collect(),
@@ -273,6 +274,12 @@ fn spans(sequence: &Sequence, merged_at: &[NodeId]) -> (Vec<Merge>, Vec<u32>) {
     let made = (0..merges).map(|f| Merge { center: sequence.centers[f], span: span(leaves + f) }).collect();
     first.truncate(leaves);
     (made, first)
+}
+
+/// Ranks, or none where each leaf is numbered by its own.
+pub(super) fn ranks_or_none(ranks: Vec<u32>) -> Vec<u32> {
+    let numbered_so = ranks.iter().enumerate().all(|(v, &rank)| v as u32 == rank);
+    if numbered_so { Vec::new() } else { ranks }
 }
 
 /// The merges that keep their centre, in no more memory than there are merges: a sequence that was heard has room to grow,

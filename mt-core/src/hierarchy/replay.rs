@@ -123,7 +123,9 @@ pub struct Replay {
     pub(super) links: Vec<Cell<2>>,
     /// Of the input's vertices, then of the merged ones.
     pub(super) positions: Vec<Vec3>,
-    /// Leaf rank of each input vertex.
+    /// Number of input vertices.
+    pub(super) leaf_count: u32,
+    /// Leaf rank of each input vertex; empty where they are numbered by rank.
     pub(super) ranks: Vec<u32>,
     /// Of each vertex of the forest: the node at which it stops being one of its own.
     pub(super) merged_at: Vec<NodeId>,
@@ -156,7 +158,7 @@ impl Replay {
     /// Number of vertices of the input, which are the leaves.
     #[inline]
     pub fn leaf_count(&self) -> u32 {
-        self.ranks.len() as u32
+        self.leaf_count
     }
 
     /// Number of merges.
@@ -186,7 +188,7 @@ impl Replay {
 
     /// The input, bit for bit.
     pub fn reference(&self) -> Mesh<3> {
-        Mesh { positions: self.positions[..self.ranks.len()].to_vec(), cells: self.cells.clone() }
+        Mesh { positions: self.positions[..self.leaf_count as usize].to_vec(), cells: self.cells.clone() }
     }
 
     /// What joins at `m`, and how good the mesh is afterwards.
@@ -308,7 +310,7 @@ impl Replay {
         match self.merge_making(v) {
             Some(merge) => self.merges[merge as usize].span,
             None => {
-                let rank = self.ranks[v.index()];
+                let rank = self.rank(v);
                 Span { first: rank, end: rank + 1 }
             }
         }
@@ -324,7 +326,7 @@ impl Replay {
     /// The rank of an input vertex among the leaves.
     #[inline]
     pub fn rank(&self, leaf: VertexId) -> u32 {
-        self.ranks[leaf.index()]
+        if self.ranks.is_empty() { leaf.0 } else { self.ranks[leaf.index()] }
     }
 
     /// Whether `above` is `m` or needs to be refined before it because of the forest. O(1).

@@ -42,6 +42,9 @@ impl<C: Criterion<Bound>> Criterion<Bound> for InView<C> {
     fn excess(&self, bound: &Bound, refined: bool) -> f32 {
         if self.frustum.sees(bound) { self.criterion.excess(bound, refined) } else { f32::NEG_INFINITY }
     }
+    fn asks(&self, bound: &Bound, refined: bool) -> bool {
+        self.criterion.asks(bound, refined) && self.frustum.sees(bound)
+    }
     fn pace(&self, last: &Bound) -> Pace {
         self.criterion.pace(last)
     }
@@ -77,6 +80,14 @@ impl ScreenError {
         }
     }
 
+    /// The excess of what is seen.
+    #[inline]
+    fn excess_seen(&self, bound: &Bound) -> f32 {
+        let distance = bound.center.as_dvec3().distance(self.eye.as_dvec3()) - f64::from(bound.radius);
+        let error_px = f64::from(bound.error) * self.pixels_per_unit / distance.max(self.near);
+        (error_px - f64::from(self.error_max_px)) as f32
+    }
+
     /// Whether the sphere of a bound reaches into the frustum.
     pub fn sees(&self, bound: &Bound) -> bool {
         self.frustum.sees(bound)
@@ -85,12 +96,11 @@ impl ScreenError {
 
 impl Criterion<Bound> for ScreenError {
     fn excess(&self, bound: &Bound, _: bool) -> f32 {
-        if !self.sees(bound) {
-            return f32::NEG_INFINITY;
-        }
-        let distance = bound.center.as_dvec3().distance(self.eye.as_dvec3()) - f64::from(bound.radius);
-        let error_px = f64::from(bound.error) * self.pixels_per_unit / distance.max(self.near);
-        (error_px - f64::from(self.error_max_px)) as f32
+        if self.sees(bound) { self.excess_seen(bound) } else { f32::NEG_INFINITY }
+    }
+    fn asks(&self, bound: &Bound, _: bool) -> bool {
+        // Most nodes below a front are good enough wherever they are, and six planes cost more than one distance.
+        self.excess_seen(bound) > 0.0 && self.sees(bound)
     }
 }
 

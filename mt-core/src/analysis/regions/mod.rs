@@ -75,10 +75,10 @@ pub struct Regions {
 }
 
 impl Default for Regions {
-    /// A region of 2048 vertices stays in a cache of half a megabyte; with smaller ones more is frozen. As many threads as
-    /// there are cores.
+    /// A region of 4096 vertices nearly stays in a cache of half a megabyte; with smaller ones more is frozen, which costs
+    /// quality and wins no time. As many threads as there are cores.
     fn default() -> Self {
-        Self { vertices: 2048, threads: 0 }
+        Self { vertices: 4096, threads: 0 }
     }
 }
 
