@@ -2,6 +2,7 @@
 
 use crate::commands::CommandError;
 use crate::files::FileError;
+use crate::memory;
 use crate::progress::{Progress, interrupted};
 use mt_core::analysis::{AnalysisError, Ended, Options, RegionListener, Regions, Stopped, Unfit};
 use mt_core::{ErrorKind, Mesh, Replay, Sequence};
@@ -18,6 +19,8 @@ pub struct Coarsening {
     pub options: Options,
     /// The regions it goes by, if it does.
     pub regions: Option<Regions>,
+    /// Threads for what follows from it, 0 for as many as there are cores.
+    pub threads: usize,
 }
 
 impl Coarsening {
@@ -25,7 +28,14 @@ impl Coarsening {
     pub fn usual(mesh: &Mesh<3>, operator: &AnyOperator) -> Self {
         let options = Options::default();
         let regions = usual_regions(mesh, operator, &options, 0);
-        Self { operator: operator.clone(), options, regions }
+        Self { operator: operator.clone(), options, regions, threads: 0 }
+    }
+
+    /// Refuses to begin what is expected to take more memory than there is; `keeps_cells` as an explicit model does.
+    pub fn check_memory(&self, path: &Path, mesh: &Mesh<3>, keeps_cells: bool) -> Result<(), CommandError> {
+        let bytes = memory::of_coarsening(mesh.cell_count(), self.regions.is_some(), keeps_cells);
+        let what = format!("coarsening {} triangles", mesh.cell_count());
+        memory::allow(&what, bytes).map_err(|error| FileError::new(path, error).into())
     }
 
     /// Coarsens the mesh in this file, and tells `listener`.
@@ -35,7 +45,7 @@ impl Coarsening {
         mesh: &Mesh<3>,
         listener: &mut impl RegionListener<3>,
     ) -> Result<Ended, CommandError> {
-        let Self { operator, options, regions } = self;
+        let Self { operator, options, regions, .. } = self;
         let mut progress = Progress::new("coarsening", mesh.cell_count() as u64);
         let mut watch = |at: mt_core::analysis::Progress| progress.at((at.cells_in - at.cells) as u64);
         let ended = match regions {
@@ -45,6 +55,13 @@ impl Coarsening {
         let ended = ended.map_err(|error| explain(path, error))?;
         let cut_short = ended.stopped == Stopped::Cancelled || interrupted();
         if cut_short { Err(CommandError::Interrupted) } else { Ok(ended) }
+    }
+
+    /// Does what follows from it, on its threads.
+    pub fn conclude<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, CommandError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build();
+        let pool = pool.map_err(|error| CommandError::Other(format!("no threads: {error}")))?;
+        Ok(pool.install(work))
     }
 }
 
@@ -69,7 +86,9 @@ pub fn explain(path: &Path, error: AnalysisError) -> CommandError {
 /// Coarsens a mesh and keeps its merges; with the input numbered as it came.
 pub fn replay_of(path: &Path, mesh: &Mesh<3>, operator: &AnyOperator) -> Result<Replay, CommandError> {
     let mut sequence = Sequence::new(mesh);
-    Coarsening::usual(mesh, operator).run(path, mesh, &mut sequence)?;
+    let coarsening = Coarsening::usual(mesh, operator);
+    coarsening.check_memory(path, mesh, false)?;
+    coarsening.run(path, mesh, &mut sequence)?;
     let replay = Replay::new(mesh, &operator.links(mesh), &sequence);
     replay.map_err(|error| FileError::new(path, error).into())
 }

@@ -1,5 +1,7 @@
 //! The only room that opens files: readers and writers elsewhere work on bytes.
 
+use crate::memory;
+use crate::progress::spinning;
 use mt_core::container::{self, Archive, Container, Meta};
 use mt_core::format::{Format, LoadOptions, LoadReport};
 use mt_core::{Explicit, Mesh, Replay};
@@ -30,6 +32,7 @@ fn check_readable(path: &Path) -> Result<(), FileError> {
         _ if path.is_dir() => "is a folder, not a file",
         _ if !path.exists() => "no such file",
         _ if !path.is_file() => "is not a regular file",
+        _ if std::fs::metadata(path).is_ok_and(|about| about.len() == 0) => "the file is empty",
         _ => return Ok(()),
     };
     Err(FileError::new(path, what))
@@ -38,8 +41,12 @@ fn check_readable(path: &Path) -> Result<(), FileError> {
 /// All bytes of a file; a folder, a missing or an empty file is refused by name.
 pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
     check_readable(path)?;
-    let bytes = std::fs::read(path).map_err(|error| FileError::new(path, error))?;
-    if bytes.is_empty() { Err(FileError::new(path, "the file is empty")) } else { Ok(bytes) }
+    std::fs::read(path).map_err(|error| FileError::new(path, error))
+}
+
+/// Refuses to load what takes more memory than there is.
+fn allow(path: &Path, bytes: u64) -> Result<(), FileError> {
+    memory::allow("loading it", bytes).map_err(|error| FileError::new(path, error))
 }
 
 /// A mesh, by the file's ending, and what loading it found.
@@ -56,7 +63,8 @@ pub fn load_mesh(path: &Path, options: &LoadOptions) -> Result<(Mesh<3>, LoadRep
         };
         return Err(if path.exists() { FileError::new(path, what) } else { FileError::new(path, "no such file") });
     };
-    let bytes = read(path)?;
+    check_readable(path)?;
+    allow(path, memory::of_loading_mesh(length(path)?))?;
     // A glTF file names its buffers relative to itself, and may come from anybody: it reads nothing from elsewhere.
     let beside = |name: &str| {
         let below = Path::new(name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
@@ -64,7 +72,10 @@ pub fn load_mesh(path: &Path, options: &LoadOptions) -> Result<(Mesh<3>, LoadRep
         // A link to a device would never end.
         if below && at.is_file() { std::fs::read(at).ok() } else { None }
     };
-    mt_core::format::read(format, &bytes, options, &beside).map_err(|error| FileError::new(path, error))
+    spinning("loading", || {
+        let bytes = read(path)?;
+        mt_core::format::read(format, &bytes, options, &beside).map_err(|error| FileError::new(path, error))
+    })
 }
 
 /// A model.
@@ -84,6 +95,12 @@ pub enum Model {
 
 /// A model and what its file says about it.
 pub fn load_model(path: &Path) -> Result<(Model, Meta), FileError> {
+    let unpacked = open_archive(path)?.sections().map(|section| section.length).fold(0, u64::saturating_add);
+    allow(path, memory::of_loading_model(length(path)?, unpacked))?;
+    spinning("loading", || model_in(path))
+}
+
+fn model_in(path: &Path) -> Result<(Model, Meta), FileError> {
     let bytes = read(path)?;
     let wrong = |error| FileError::new(path, error);
     let container = container::open(&bytes).map_err(wrong)?;

@@ -3,6 +3,7 @@
 use crate::coarsening::{Coarsening, explain};
 use crate::commands::CommandError;
 use crate::files::FileError;
+use crate::progress::spinning;
 use mt_core::analysis::Ended;
 use mt_core::container::{self, Meta, Storage};
 use mt_core::hierarchy::{Dependency, Story};
@@ -29,9 +30,11 @@ pub struct MergeFacts {
 impl Kept {
     /// Coarsens the mesh of this file and keeps all cells.
     pub fn cells(path: &Path, mesh: &Mesh<3>, coarsening: &Coarsening) -> Result<(Self, Ended), CommandError> {
+        coarsening.check_memory(path, mesh, true)?;
         let mut recorder = Recorder::new(mesh).map_err(|error| explain(path, error.into()))?;
         let ended = coarsening.run(path, mesh, &mut recorder)?;
-        let model = recorder.finish(coarsening.options.error_kind);
+        let finish = || recorder.finish(coarsening.options.error_kind);
+        let model = spinning("ordering", || coarsening.conclude(finish))?;
         Ok((Self::Cells(Box::new(model.map_err(|error| explain(path, error.into()))?)), ended))
     }
 
@@ -43,11 +46,12 @@ impl Kept {
         coarsening: &Coarsening,
         scheme: Scheme,
     ) -> Result<(Self, Ended), CommandError> {
+        coarsening.check_memory(path, &mesh, false)?;
         let mut sequence = Sequence::new(&mesh);
         let ended = coarsening.run(path, &mesh, &mut sequence)?;
         let links = coarsening.operator.links(&mesh);
         let story = Story { mesh, links, sequence };
-        let replay = story.replay().map_err(|error| FileError::new(path, error))?;
+        let replay = spinning("replaying", || story.replay()).map_err(|error| FileError::new(path, error))?;
         let numbering = replay.numbering();
         let replay = Arc::new(replay.renumbered(&numbering));
         let facts = scheme.visit(&replay, Count).map_err(|error| FileError::new(path, error))?;

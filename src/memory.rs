@@ -1,4 +1,92 @@
-//! Memory: what this process has taken, and what it may take.
+//! Memory: what this process has taken, what it may take, and what work is expected to take. Work that does not fit is
+//! refused before it begins.
+
+use std::sync::OnceLock;
+
+/// What `--memory-limit` says.
+static LIMIT: OnceLock<u64> = OnceLock::new();
+
+/// Takes so many bytes for the most that this process may have.
+pub fn limit(bytes: u64) {
+    _ = LIMIT.set(bytes);
+}
+
+/// Work that takes more memory than there is.
+#[derive(Debug, thiserror::Error)]
+#[error("{what} takes about {needed}, and {allowed}; {way_out}")]
+pub struct TooMuch {
+    what: String,
+    needed: String,
+    allowed: String,
+    way_out: &'static str,
+}
+
+/// Refuses work that is expected to take more than may be taken: what was said, or else what is free now.
+pub fn allow(what: &str, bytes: u64) -> Result<(), TooMuch> {
+    let refuse = |allowed, way_out| Err(TooMuch { what: what.to_owned(), needed: text(bytes), allowed, way_out });
+    match (LIMIT.get(), free_bytes()) {
+        (Some(&limit), _) if bytes > limit => {
+            refuse(format!("--memory-limit allows {}", text(limit)), "allow more, or take a smaller mesh")
+        }
+        (None, Some(free)) if bytes > free => {
+            refuse(format!("{} are free", text(free)), "--memory-limit with more lets it try all the same")
+        }
+        _ => Ok(()),
+    }
+}
+
+fn text(bytes: u64) -> String {
+    match bytes {
+        0..10_000_000 => format!("{:.1} MB", bytes as f64 / 1e6),
+        10_000_000..10_000_000_000 => format!("{:.0} MB", bytes as f64 / 1e6),
+        _ => format!("{:.1} GB", bytes as f64 / 1e9),
+    }
+}
+
+/// A number of bytes, as in `900M`, `1.5G` or `2000000`.
+pub fn parse_bytes(text: &str) -> Result<u64, String> {
+    let upper = text.trim().to_ascii_uppercase();
+    let digits = upper.trim_end_matches('B').trim_end_matches('I');
+    let (number, unit) = match digits.strip_suffix(['K', 'M', 'G', 'T']) {
+        Some(number) => (number, digits.chars().last().unwrap_or(' ')),
+        None => (digits, ' '),
+    };
+    let factor = match unit {
+        'K' => 1e3,
+        'M' => 1e6,
+        'G' => 1e9,
+        'T' => 1e12,
+        _ => 1.0,
+    };
+    match number.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() && number > 0.0 => Ok((number * factor) as u64),
+        _ => Err(format!("`{text}` is no number of bytes: 900M, 1.5G")),
+    }
+}
+
+/// What a process has before it works on anything.
+const AT_REST: u64 = 16 << 20;
+
+/// What loading a mesh is expected to take: the file, what it is read into, and the mesh with the tables of its repair.
+pub fn of_loading_mesh(file_bytes: u64) -> u64 {
+    AT_REST + 6 * file_bytes
+}
+
+/// What loading a model is expected to take: the file, its arrays, and what follows from these.
+pub fn of_loading_model(file_bytes: u64, unpacked: u64) -> u64 {
+    AT_REST + file_bytes + 3 * unpacked
+}
+
+/// What coarsening takes at most, the input included, as measured from 80,000 to 16 million triangles (`mtess bench`).
+pub fn of_coarsening(triangles: usize, by_regions: bool, keeps_cells: bool) -> u64 {
+    let each = match (by_regions, keeps_cells) {
+        (true, true) => 330,
+        (true, false) => 250,
+        (false, true) => 450,
+        (false, false) => 390,
+    };
+    AT_REST + triangles as u64 * each
+}
 
 /// The largest resident size of this process so far, where the system tells it.
 pub fn peak_bytes() -> Option<u64> {
@@ -21,4 +109,36 @@ pub fn free_bytes() -> Option<u64> {
 fn kilobytes(table: &str, name: &str) -> Option<u64> {
     let line = table.lines().find_map(|line| line.strip_prefix(name))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
+}
+
+/// What a study of a mesh takes: it is coarsened as a whole and kept in both forms, and distances are measured.
+pub fn of_study(triangles: usize) -> u64 {
+    AT_REST + triangles as u64 * 1200
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_are_read_with_their_units() {
+        for (text, bytes) in
+            [("2000000", 2_000_000), ("900M", 900_000_000), ("1.5G", 1_500_000_000), ("64 kib", 64_000)]
+        {
+            assert_eq!(parse_bytes(text), Ok(bytes), "{text}");
+        }
+        for wrong in ["", "G", "-1G", "0", "ten", "1e999", "NaN"] {
+            assert!(parse_bytes(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn what_is_more_than_there_is_is_refused() {
+        assert!(allow("nothing", 0).is_ok());
+        let told = allow("all of it", u64::MAX).unwrap_err().to_string();
+        assert!(
+            told.starts_with("all of it takes about 18446744073.7 GB, and ") && told.contains("--memory-limit"),
+            "{told}"
+        );
+    }
 }

@@ -52,6 +52,29 @@ impl Drop for Progress {
     }
 }
 
+/// Does work of which nobody knows how far it is, and shows that it goes on and for how long. Nothing of it listens, so
+/// Ctrl-C ends it at once.
+pub fn spinning<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+    bar.set_style(ProgressStyle::with_template("{msg:12} {spinner} {elapsed}").expect("the template is constant"));
+    bar.set_message(what);
+    let (done, hear) = std::sync::mpsc::channel::<()>();
+    let shown = bar.clone();
+    let show = std::thread::spawn(move || {
+        // Work that is done by then shows nothing.
+        if hear.recv_timeout(SILENT) == Err(std::sync::mpsc::RecvTimeoutError::Timeout) {
+            shown.set_draw_target(ProgressDrawTarget::stderr());
+            shown.enable_steady_tick(Duration::from_millis(200));
+        }
+    });
+    let result = work();
+    drop(done);
+    // The thread only waits and shows; there is nothing in it that could fail.
+    _ = show.join();
+    bar.finish_and_clear();
+    result
+}
+
 /// Whether somebody has pressed Ctrl-C.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// How many pieces of work look at it.

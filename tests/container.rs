@@ -1,10 +1,14 @@
 //! The container: bit for bit, and nothing damaged gets through.
 
-use mt_core::container::{self, ContainerError, Meta};
-use mt_core::{Explicit, MultiTessellation, generate};
+use mt_core::analysis::{Options, analyse};
+use mt_core::container::{self, Archive, Container, ContainerError, Meta, Storage};
+use mt_core::hierarchy::Story;
+use mt_core::{Explicit, Mesh, MultiTessellation, Sequence, generate};
 use mt_tests::model_of;
 use operators::EdgeCollapse;
+use operators::{AnyOperator, FanMerge};
 use proptest::prelude::*;
+use std::io::Cursor;
 
 fn bytes_of(model: &Explicit<3>) -> Vec<u8> {
     let meta = Meta { operator: "edge-collapse".into(), source: "test".into(), ..Meta::default() };
@@ -59,6 +63,104 @@ fn every_flipped_byte_is_refused() {
             assert!(container::read::<3>(&bytes).is_err(), "byte {at} of {} can be flipped by {mask:#x}", bytes.len());
             bytes[at] ^= mask;
         }
+    }
+}
+
+fn packed(model: &Explicit<3>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    container::write_as(model, &Meta::default(), Storage::Packed, &mut bytes).expect("writing to memory cannot fail");
+    bytes
+}
+
+#[test]
+fn what_is_packed_is_smaller_and_the_same() {
+    for seed in 0..20 {
+        let model = model_of(&generate::random_mesh(seed).mesh, &EdgeCollapse::FULL);
+        assert_eq!(container::read::<3>(&packed(&model)).unwrap().0, model);
+    }
+    let model = model_of(&generate::bumpy_sphere(4, 0.1, 1), &EdgeCollapse::FULL);
+    let (plain, packed) = (bytes_of(&model).len(), packed(&model).len());
+    assert!(10 * packed < 7 * plain, "{packed} of {plain} bytes");
+}
+
+#[test]
+fn damage_to_what_is_packed_is_refused() {
+    let mut bytes = packed(&model_of(&generate::bumpy_sphere(1, 0.1, 1), &EdgeCollapse::FULL));
+    for length in 0..bytes.len() {
+        assert!(container::read::<3>(&bytes[..length]).is_err(), "{length} of {} bytes", bytes.len());
+    }
+    for at in 0..bytes.len() {
+        for mask in [0x01, 0xff] {
+            bytes[at] ^= mask;
+            assert!(container::read::<3>(&bytes).is_err(), "byte {at} can be flipped by {mask:#x}");
+            bytes[at] ^= mask;
+        }
+    }
+}
+
+fn story(mesh: &Mesh<3>, operator: &AnyOperator) -> Story {
+    let mut sequence = Sequence::new(mesh);
+    analyse_any(mesh, operator, &mut sequence);
+    // As it is read again, without what only an analysis needs.
+    let sequence = Sequence::from_bytes(&sequence.to_bytes()).unwrap();
+    Story { mesh: mesh.clone(), links: operator.links(mesh), sequence }
+}
+
+fn analyse_any(mesh: &Mesh<3>, operator: &AnyOperator, sequence: &mut Sequence) {
+    operator.analyse(mesh, &Options::default(), sequence, &mut |_| true).unwrap();
+}
+
+#[test]
+fn stories_come_back_whatever_tells_them() {
+    let mesh = generate::bumpy_sphere(2, 0.1, 3);
+    for name in ["edge-collapse", "half-edge-collapse", "vertex-pair", "fan-merge"] {
+        let story = story(&mesh, &name.parse().unwrap());
+        for storage in [Storage::Plain, Storage::Packed] {
+            let mut bytes = Vec::new();
+            container::write_story(&story, "one-ring", &Meta::default(), storage, &mut bytes).unwrap();
+            let (again, meta) = container::open(&bytes).and_then(Container::story).unwrap();
+            assert!(again == story, "{name} {storage:?}");
+            assert_eq!(
+                (meta.dependency.as_deref(), meta.modifications),
+                (Some("one-ring"), story.sequence.node_count())
+            );
+            assert!(matches!(container::read::<3>(&bytes), Err(ContainerError::Kind(_))));
+        }
+    }
+    let explicit = small();
+    assert!(matches!(container::open(&explicit).and_then(Container::story), Err(ContainerError::Kind(_))));
+}
+
+#[test]
+fn a_fan_is_kept_as_a_fan() {
+    let mesh = generate::grid(12, 12);
+    let mut sequence = Sequence::new(&mesh);
+    analyse(&mesh, &FanMerge::PARTIAL, &Options::default(), &mut sequence, &mut |_| true).unwrap();
+    assert!(sequence.node_count() > sequence.merge_count(), "fans have several nodes");
+    let story = Story { mesh, links: Vec::new(), sequence };
+    let mut bytes = Vec::new();
+    container::write_story(&story, "explicit", &Meta::default(), Storage::Packed, &mut bytes).unwrap();
+    let again = container::open(&bytes).and_then(Container::story).unwrap().0;
+    assert!(again.replay().unwrap() == story.replay().unwrap());
+}
+
+#[test]
+fn a_section_can_be_had_without_the_others() {
+    let model = model_of(&generate::bumpy_sphere(2, 0.1, 1), &EdgeCollapse::FULL);
+    for mut bytes in [bytes_of(&model), packed(&model)] {
+        let mut archive = Archive::open(Cursor::new(&bytes)).unwrap();
+        assert_eq!(archive.meta().modifications, model.len());
+        let positions: &[u8] = bytemuck::cast_slice(&model.parts().positions);
+        assert_eq!(archive.section(b"POSI").unwrap(), positions);
+        assert!(matches!(archive.section(b"NONE"), Err(ContainerError::Layout(_))));
+        let told: u64 = archive.sections().filter(|section| section.name != "META").map(|section| section.length).sum();
+        let lengths: u64 = container::open(&bytes).unwrap().length();
+        assert!(told < lengths && lengths < told + 1000);
+        // What is damaged elsewhere does not matter here, and does there.
+        let at = bytes.len() - 1000;
+        bytes[at] ^= 0x10;
+        let mut archive = Archive::open(Cursor::new(&bytes)).unwrap();
+        assert!(archive.section(b"POSI").is_ok() && archive.section(b"BNDS").is_err());
     }
 }
 

@@ -73,20 +73,16 @@ pub fn is_short_cycle(edges: &[[VertexId; 2]]) -> bool {
     if !(3..=SHORT).contains(&edges.len()) {
         return false;
     }
-    let begins_at = |v: VertexId| {
-        let mut from_here = edges.iter().filter(|edge| edge[0] == v);
-        from_here.next().filter(|_| from_here.next().is_none())
-    };
-    let start = edges[0][0];
-    let mut at = start;
-    for walked in 1..=edges.len() {
-        let Some(&[_, next]) = begins_at(at) else { return false };
-        at = next;
+    // A walk that first comes back after as many steps as there are edges has taken each of them, from another vertex each.
+    let [start, mut at] = edges[0];
+    for _ in 1..edges.len() {
         if at == start {
-            return walked == edges.len();
+            return false;
         }
+        let Some(&[_, next]) = edges.iter().find(|edge| edge[0] == at) else { return false };
+        at = next;
     }
-    false
+    at == start
 }
 
 #[cfg(test)]

@@ -213,7 +213,7 @@ impl Bench {
             DependencyKind::Scheme(scheme) => Kept::merges(path, mesh, &coarsening, scheme)?.0,
         };
         let mut built = Built {
-            threads: coarsening.regions.map_or(1, |regions| regions.threads),
+            threads: task.threads,
             region_vertices: coarsening.regions.map_or(0, |regions| regions.vertices),
             wall_s: clock.wall(),
             cpu_s: clock.cpu(),
@@ -255,7 +255,7 @@ impl Bench {
             Some(vertices) => task.operator.works_by_regions().then_some(Regions { vertices, threads: task.threads }),
             None => usual_regions(mesh, &task.operator, &options, task.threads),
         };
-        Coarsening { operator: task.operator.clone(), options, regions }
+        Coarsening { operator: task.operator.clone(), options, regions, threads: task.threads }
     }
 
     fn write(&self, rows: &[Row], notes: &[String]) -> Result<(), CommandError> {

@@ -63,8 +63,7 @@ pub struct Build {
     /// for meshes of 400,000 triangles and more
     #[arg(long, value_name = "VERTICES", conflicts_with = "history")]
     regions: Option<u32>,
-    /// Threads to use where the mesh is coarsened region by region, 0 for as many as there are cores; the result is the
-    /// same to the bit
+    /// Threads to use, 0 for as many as there are cores; the result is the same to the bit
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
     threads: u32,
     /// Keep the vertex hierarchy under this scheme instead of all cells, a quarter of the bytes: explicit, one-ring, cut-pair,
@@ -196,7 +195,7 @@ impl Build {
             ..Options::default()
         };
         let regions = self.chosen_regions(mesh, &operator, &options)?;
-        Ok(Coarsening { operator, options, regions })
+        Ok(Coarsening { operator, options, regions, threads: self.threads as usize })
     }
 
     /// The regions to coarsen one by one, if that is how; what was asked for and cannot be is refused.

@@ -19,6 +19,10 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(name = "mtess", version, about, arg_required_else_help = true)]
 pub struct Cli {
+    /// Most memory that may be taken, as in 900M or 8G; work that is expected to take more is refused before it begins. If not
+    /// set, what is free on this machine
+    #[arg(long, global = true, value_name = "BYTES", value_parser = crate::memory::parse_bytes)]
+    memory_limit: Option<u64>,
     #[command(subcommand)]
     command: Command,
 }
@@ -64,6 +68,7 @@ pub enum CommandError {
 
 /// Runs a command; the code is 1 where a check found a broken law.
 pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
+    cli.memory_limit.into_iter().for_each(crate::memory::limit);
     match cli.command {
         Command::Build(command) => command.run(),
         Command::History(command) => command.run(),

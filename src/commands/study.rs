@@ -2,6 +2,7 @@
 
 use super::{CommandError, print_text};
 use crate::files::{self, FileError};
+use crate::memory;
 use crate::progress::{Progress, interrupted};
 use clap::Args;
 use mt_core::analysis::{AnalysisError, Unfit};
@@ -142,6 +143,8 @@ impl Study {
             if subjects.iter().any(|other| other.name == name) {
                 return Err(FileError::new(path, "another model of the study has the same name").into());
             }
+            let bytes = memory::of_study(mesh.cell_count());
+            memory::allow("studying it", bytes).map_err(|error| FileError::new(path, error))?;
             subjects.push(Subject { name, mesh });
         }
         Ok(subjects)

@@ -5,6 +5,7 @@ mod bisecting;
 mod building;
 mod extracting;
 mod interrupting;
+mod keeping;
 mod kit;
 mod looking;
 mod refusing;

@@ -1,8 +1,9 @@
 //! What every reader is held to, whatever bytes it is given: it refuses or gives something that holds together, that can
 //! be walked, and that comes back when it is written and read again. Fuzzers and plain tests call the same functions.
 
-use mt_core::container::{self, Meta};
+use mt_core::container::{self, Archive, Container, Meta, Storage};
 use mt_core::format::{self, Format, LoadOptions};
+use mt_core::hierarchy::Story;
 use mt_core::log::Log;
 use mt_core::model::{MultiTessellation, Step, take};
 use mt_core::{Camera, Cell, Explicit, Front, Mesh, NodeId, Replay, Sequence, check, generate, history};
@@ -28,11 +29,43 @@ fn bits(mesh: &Mesh<3>) -> (Vec<[u32; 3]>, &[Cell<3>]) {
 /// The container, with checksums mended first: else no altered byte would get past them.
 pub fn container(bytes: &[u8]) {
     for bytes in [bytes.to_vec(), resealed(bytes)] {
+        piecemeal(&bytes);
         let Ok(opened) = container::open(&bytes) else { continue };
-        match opened.meta().corners {
-            4 => model::<4>(&bytes),
-            _ => model::<3>(&bytes),
+        match (&opened.meta().dependency, opened.meta().corners) {
+            (Some(_), _) => story(opened),
+            (None, 4) => model::<4>(&bytes),
+            (None, _) => model::<3>(&bytes),
         }
+    }
+}
+
+/// Section by section: what can be read whole can be read so.
+fn piecemeal(bytes: &[u8]) {
+    let whole = container::open(bytes).is_ok();
+    let Ok(mut archive) = Archive::open(std::io::Cursor::new(bytes)) else { return assert!(!whole) };
+    let sections: Vec<_> = archive.sections().collect();
+    for section in sections {
+        let Ok(name) = <[u8; 4]>::try_from(section.name.as_bytes()) else { continue };
+        let read = archive.section(&name).map(|bytes| bytes.len() as u64);
+        // Two sections may have one name, of which the first is meant.
+        assert!(read.is_ok() || !whole || section.stored > 0, "{}: {read:?}", section.name);
+    }
+}
+
+/// The story of a hierarchy: if it replays, there and back, and comes back when it is written.
+fn story(opened: Container<'_>) {
+    let Ok((story, meta)) = opened.story() else { return };
+    let Ok(replay) = story.replay() else { return };
+    let mut mesh = replay.reference_mesh();
+    (0..replay.len()).for_each(|m| replay.coarsen(NodeId(m), &mut mesh, &mut ()));
+    (0..replay.len()).rev().for_each(|m| replay.refine(NodeId(m), &mut mesh, &mut ()));
+    assert!(mesh == replay.reference_mesh(), "there and back is somewhere else");
+    for storage in [Storage::Plain, Storage::Packed] {
+        let mut bytes = Vec::new();
+        container::write_story(&story, "dual-piece", &meta, storage, &mut bytes).expect("memory takes it");
+        let again = container::open(&bytes).and_then(Container::story).expect("what was written can be read").0;
+        // By bytes, since positions may be numbers that differ from themselves.
+        assert!(again.sequence.to_bytes() == story.sequence.to_bytes() && again.mesh.cells == story.mesh.cells);
     }
 }
 
@@ -68,14 +101,14 @@ fn walk<const N: usize>(model: &Explicit<N>) {
 /// The bytes with every checksum that fits what they are: sections that the table has, and the head.
 pub fn resealed(bytes: &[u8]) -> Vec<u8> {
     const HEAD: usize = 24;
-    const ENTRY: usize = 24;
     let mut bytes = bytes.to_vec();
     let word = |bytes: &[u8], at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes(b.try_into().expect("four")));
     let long =
         |bytes: &[u8], at: usize| bytes.get(at..at + 8).map(|b| u64::from_le_bytes(b.try_into().expect("eight")));
     let Some(count) = word(&bytes, 12).filter(|&count| count <= 64) else { return bytes };
+    let entry_len = if word(&bytes, 8) == Some(1) { 24 } else { 40 };
     for i in 0..count as usize {
-        let entry = HEAD + ENTRY * i;
+        let entry = HEAD + entry_len * i;
         let (Some(from), Some(length)) = (long(&bytes, entry + 8), long(&bytes, entry + 16)) else { return bytes };
         let end = from.checked_add(length).filter(|&end| end <= bytes.len() as u64);
         if let Some(end) = end {
@@ -83,7 +116,7 @@ pub fn resealed(bytes: &[u8]) -> Vec<u8> {
             bytes[entry + 4..entry + 8].copy_from_slice(&sum.to_le_bytes());
         }
     }
-    let table_end = HEAD + ENTRY * count as usize;
+    let table_end = HEAD + entry_len * count as usize;
     if bytes.len() >= table_end + 4 {
         let sum = crc32fast::hash(&bytes[..table_end]);
         bytes[table_end..table_end + 4].copy_from_slice(&sum.to_le_bytes());
@@ -188,6 +221,9 @@ pub fn seeds() -> Vec<(&'static str, Vec<u8>)> {
     for mesh in [generate::octahedron(), generate::strip(4), generate::grid(3, 3)] {
         let model = crate::model_of(&mesh, &operators::EdgeCollapse::HALF);
         seeds.push(("container", written(&model, &Meta { operator: "seed".into(), ..Meta::default() })));
+        let mut packed = Vec::new();
+        container::write_as(&model, &Meta::default(), Storage::Packed, &mut packed).expect("memory takes it");
+        seeds.push(("container", packed));
         let mut text = Vec::new();
         history::write(&model, &mut text).expect("memory takes it");
         seeds.push(("history", text));
@@ -202,6 +238,13 @@ pub fn seeds() -> Vec<(&'static str, Vec<u8>)> {
             sequence.push(merge.center, nodes().map(|m| replay.node(m).child), errors, made, replay.keeps_center(f));
         }
         seeds.push(("sequence", sequence.to_bytes()));
+        let story = Story { mesh, links: Vec::new(), sequence };
+        for storage in [Storage::Plain, Storage::Packed] {
+            let mut bytes = Vec::new();
+            container::write_story(&story, "dual-piece", &Meta::default(), storage, &mut bytes)
+                .expect("memory takes it");
+            seeds.push(("container", bytes));
+        }
     }
     let model = crate::model_of(&generate::octahedron(), &operators::EdgeCollapse::FULL);
     let mut log = Log::new(model.len());

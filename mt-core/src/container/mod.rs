@@ -48,7 +48,7 @@ pub enum Storage {
     /// As in memory: fast to read, and the arrays can be mapped.
     #[default]
     Plain,
-    /// Packed without loss: about half the bytes (`[RFC8878]`).
+    /// Packed without loss: about half the bytes (`[ColletKucherawy2021]`).
     Packed,
 }
 

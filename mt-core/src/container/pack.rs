@@ -1,5 +1,5 @@
 //! Packing of a section: its words in columns, as differences where neighbours are alike, byte by byte of like weight, and
-//! that through Zstandard (`[RFC8878]`).
+//! that through Zstandard (`[ColletKucherawy2021]`).
 //!
 //! Arrays of a model are records of 32-bit words. Ids ascend or repeat, so what one record adds to the one before is small;
 //! of floats the upper bytes are alike. Put side by side, such bytes compress to a third and less; as they lie in the records

@@ -10,6 +10,7 @@ use crate::id::{CellId, NodeId, VertexId};
 use crate::mesh::Mesh;
 use crate::order::Order;
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// Listens to a coarsening history and makes an [`Explicit`] model of it.
 ///
@@ -178,7 +179,8 @@ impl<const N: usize> Recorder<N> {
         self.positions[v.index()]
     }
 
-    /// The model. Derives the order, saturates the bounds. O(cells + arcs).
+    /// The model. Derives the order, saturates the bounds. O(cells + arcs). Patches are measured by the threads of the rayon
+    /// pool that this is called in; the model is the same for any number of them.
     pub fn finish(self, error_kind: ErrorKind) -> Result<Explicit<N>, HistoryError> {
         let ended = *self.coarse_start.last().expect("starts are never empty") as usize == self.corners.len()
             && *self.fine_start.last().expect("starts are never empty") as usize == self.fine.len();
@@ -269,19 +271,26 @@ fn check_corners<const N: usize>(corners: &Cell<N>, vertex_count: usize) -> Resu
     if good { Ok(()) } else { Err(HistoryError::Corners(corners.map(|v| v.0).to_vec(), vertex_count)) }
 }
 
+/// So many patches are measured by one thread at a time.
+const PATCHES: usize = 4096;
+
 /// Bounds of the patches by themselves.
 fn patch_bounds<const N: usize>(parts: &Parts<N>, errors: &[f32]) -> Vec<Bound> {
-    let (mut points, mut vectors) = (Vec::new(), Vec::new());
-    let bound = |(m, &error): (usize, &f32)| {
-        let made = &parts.corners[parts.coarse_start[m] as usize..parts.coarse_start[m + 1] as usize];
-        let cells = parts.fine_side(m).iter().map(|cell| &parts.corners[cell.index()]).chain(made);
-        // A vertex comes once for each of its cells; sorting them out would cost more than measuring them again.
-        points.clear();
-        points.extend(cells.flatten().map(|v| parts.positions[v.index()]));
-        let cone = cone_of_cells(points.as_chunks::<N>().0, &mut vectors);
-        Bound::of_patch(&points, error, cone)
+    let bounds_from = |(run, errors): (usize, &[f32])| {
+        let (mut points, mut vectors) = (Vec::new(), Vec::new());
+        let bound = |(i, &error): (usize, &f32)| {
+            let m = run * PATCHES + i;
+            let made = &parts.corners[parts.coarse_start[m] as usize..parts.coarse_start[m + 1] as usize];
+            let cells = parts.fine_side(m).iter().map(|cell| &parts.corners[cell.index()]).chain(made);
+            // A vertex comes once for each of its cells; sorting them out would cost more than measuring them again.
+            points.clear();
+            points.extend(cells.flatten().map(|v| parts.positions[v.index()]));
+            let cone = cone_of_cells(points.as_chunks::<N>().0, &mut vectors);
+            Bound::of_patch(&points, error, cone)
+        };
+        errors.iter().enumerate().map(bound).collect::<Vec<_>>()
     };
-    errors.iter().enumerate().map(bound).collect()
+    errors.par_chunks(PATCHES).enumerate().flat_map_iter(bounds_from).collect()
 }
 
 /// Hangs each node under that of its needs whose sphere grows least by it, and grows the bound there.

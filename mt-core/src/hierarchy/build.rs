@@ -125,7 +125,11 @@ impl Replay {
         let mut patch = PatchBound::new(self);
         let mut around = Surroundings::default();
         let used = |v: &VertexId| mesh.faces.has_star(*v);
-        self.is_manifold = (0..self.leaf_count()).map(VertexId).filter(used).all(|v| around.is_umbrella(&mesh, v));
+        let used: Vec<VertexId> = (0..self.leaf_count()).map(VertexId).filter(used).collect();
+        self.is_manifold = used.iter().all(|&v| around.is_umbrella(&mesh, v));
+        // A closed manifold so far: each link is one closed walk that passes no vertex twice.
+        let mut is_closed = self.is_manifold && used.iter().all(|&v| around.is_cycle(&mesh, v));
+        drop(used);
         let (mut starts, mut link_starts) = (vec![0], vec![0]);
         let (mut born, mut born_links) = (Vec::with_capacity(self.cells.len()), Vec::with_capacity(self.links.len()));
         for m in (0..self.len()).map(NodeId) {
@@ -142,9 +146,16 @@ impl Replay {
                 start.push(cells.len() as u32);
             }
             // A third neighbour in common is a loop that closes: a waist, or a hole with three edges.
-            let closes = shared != (born.len() - starts[m.index()] as usize);
-            if closes || !around.is_umbrella(&mesh, self.vertex(m)) {
-                self.sewn.push(m);
+            let died = born.len() - starts[m.index()] as usize;
+            let closes = shared != died;
+            // Two links that are cycles and have two vertices in common, besides each other's, are joined into a cycle; no
+            // need to look, unless it is a cycle of two.
+            let is_cycle = is_closed && !closes && died == 2 && mesh.faces.star(self.vertex(m)).nth(2).is_some();
+            if !is_cycle {
+                is_closed = false;
+                if closes || !around.is_umbrella(&mesh, self.vertex(m)) {
+                    self.sewn.push(m);
+                }
             }
             let cone = patch.coarse(self, &mesh, m);
             let node = &mut self.nodes[m.index()];

@@ -22,6 +22,12 @@ pub(super) struct Surroundings {
 }
 
 impl Surroundings {
+    /// Whether the link of `v` is surely one closed walk that passes no vertex twice; of long ones it is not known. O(star²).
+    pub(super) fn is_cycle(&mut self, mesh: &VertexMesh, v: VertexId) -> bool {
+        mesh.faces.link_edges(v, &mut self.edges);
+        is_short_cycle(&self.edges)
+    }
+
     /// Whether the triangles around `v` form one fan, open or closed, whose link passes no vertex twice.
     /// O(star log star).
     pub(super) fn is_umbrella(&mut self, mesh: &VertexMesh, v: VertexId) -> bool {

@@ -100,6 +100,39 @@ fn what_sews_is_known() {
     assert_eq!(replay.sewn(), [NodeId(0)]);
 }
 
+/// What sews, by looking at the umbrella and the neighbours of every merge.
+fn sewn_by_looking(replay: &Replay) -> Vec<NodeId> {
+    let mut mesh = replay.reference_mesh();
+    let mut around = super::patch::Surroundings::default();
+    let sews = |m: &NodeId| {
+        let shared = around.shared(&mesh, replay.ends(*m));
+        replay.coarsen(*m, &mut mesh, &mut ());
+        shared != replay.born(*m).len() || !around.is_umbrella(&mesh, replay.vertex(*m))
+    };
+    (0..replay.len()).map(NodeId).filter(sews).collect()
+}
+
+#[test]
+fn what_sews_is_what_looking_finds() {
+    let tori = [generate::torus(7, 5), generate::octahedron(), generate::sphere(2), generate::grid(5, 5)];
+    for (mesh, seed) in tori.iter().flat_map(|mesh| (0..200).map(move |seed| (mesh, seed))) {
+        let mut random = check::Random::new(seed);
+        let mut sequence = Sequence::new(mesh);
+        let mut name: Vec<VertexId> = (0..mesh.vertex_count()).map(VertexId::new).collect();
+        for _ in 0..mesh.vertex_count() {
+            // Along an edge of the input, whatever the links say about it.
+            let cell = mesh.cells[random.below(mesh.cell_count())];
+            let [a, b] = [cell[0], cell[1]].map(|v| name[v.index()]);
+            if a != b {
+                let made = sequence.push(a, [b], [0.1], Vec3::ZERO, false);
+                name.iter_mut().filter(|v| **v == a || **v == b).for_each(|v| *v = made);
+            }
+        }
+        let replay = Replay::new(mesh, &[], &sequence).unwrap();
+        assert_eq!(replay.sewn(), sewn_by_looking(&replay), "seed {seed}");
+    }
+}
+
 #[test]
 fn sequences_that_are_none_are_refused() {
     let mesh = generate::octahedron();

@@ -136,11 +136,13 @@ fn diagonal(positions: &[Vec3]) -> f64 {
 }
 
 /// The positions of two vertices.
+#[inline]
 fn ends_of(draft: &Draft<3>, ends: [VertexId; 2]) -> [Vec3; 2] {
     ends.map(|v| draft.positions[v.index()])
 }
 
 /// Where a place is, if it does not take the metric to say so.
+#[inline]
 fn fixed(ends: [Vec3; 2], place: Place) -> Option<Vec3> {
     match place {
         Place::Best => None,

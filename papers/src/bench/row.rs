@@ -30,7 +30,7 @@ pub struct Row {
 /// What building and keeping cost.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Built {
-    /// Threads that worked on it, 0 for as many as there are cores; one where it was coarsened as a whole.
+    /// Threads that might work on it, 0 for as many as there are cores.
     pub threads: usize,
     /// Vertices of a region, 0 where it was coarsened as a whole.
     pub region_vertices: u32,

@@ -21,6 +21,7 @@ fn at(row: &Row, share: f64, of: fn(&super::Quality) -> f64) -> Option<f64> {
 }
 
 const COLUMNS: [Column; 27] = [
+    column("base triangles", 0, |row| Some(row.base as f64)),
     column("build, wall s", 3, |row| Some(row.built.wall_s)),
     column("build, CPU s", 3, |row| Some(row.built.cpu_s)),
     column("1000 triangles removed a CPU s", 0, |row| Some(row.rate())),
@@ -47,7 +48,6 @@ const COLUMNS: [Column; 27] = [
     column("two views at once, times faster", 2, |row| row.frames.as_ref().map(|frames| frames.two_views)),
     column("1 % changed, us", 0, |row| row.frames.as_ref().map(|frames| frames.small_change_us)),
     column("front of that, nodes", 0, |row| row.frames.as_ref().map(|frames| f64::from(frames.small_change_front))),
-    column("base triangles", 0, |row| Some(row.base as f64)),
 ];
 
 /// Rows that measure the same thing, in the order in which they first came.
@@ -77,10 +77,14 @@ fn cell(column: &Column, runs: &[&Row]) -> String {
 }
 
 fn names(row: &Row) -> [String; 5] {
-    let by = match (row.built.region_vertices, row.built.threads) {
-        (0, _) => "whole".to_owned(),
-        (vertices, 0) => format!("regions of {vertices}, all cores"),
-        (vertices, threads) => format!("regions of {vertices}, threads {threads}"),
+    let threads = match row.built.threads {
+        0 => "all cores".to_owned(),
+        1 => "1 thread".to_owned(),
+        threads => format!("{threads} threads"),
+    };
+    let by = match row.built.region_vertices {
+        0 => format!("whole, {threads}"),
+        vertices => format!("regions of {vertices}, {threads}"),
     };
     [row.model.clone(), row.triangles.to_string(), row.operator.clone(), row.dependency.clone(), by]
 }
@@ -106,7 +110,7 @@ pub fn markdown(rows: &[Row]) -> String {
         }
         text
     };
-    let parts = [&COLUMNS[..9], &COLUMNS[9..15], &COLUMNS[15..19], &COLUMNS[19..]];
+    let parts = [&COLUMNS[..10], &COLUMNS[10..16], &COLUMNS[16..20], &COLUMNS[20..]];
     parts.map(shown).into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
 }
 
@@ -150,10 +154,10 @@ pub fn page(rows: &[Row], machine: &str, notes: &[String]) -> String {
         page.list(notes);
     }
     for (caption, columns) in [
-        ("Building and keeping", &COLUMNS[..9]),
-        ("Distance from the input", &COLUMNS[9..15]),
-        ("Steps", &COLUMNS[15..19]),
-        ("Frames", &COLUMNS[19..]),
+        ("Building and keeping", &COLUMNS[..10]),
+        ("Distance from the input", &COLUMNS[10..16]),
+        ("Steps", &COLUMNS[16..20]),
+        ("Frames", &COLUMNS[20..]),
     ] {
         page.table(&table(caption, columns, rows));
     }

@@ -99,7 +99,14 @@ impl Criterion<Bound> for ScreenError {
         if self.sees(bound) { self.excess_seen(bound) } else { f32::NEG_INFINITY }
     }
     fn asks(&self, bound: &Bound, _: bool) -> bool {
-        // Most nodes below a front are good enough wherever they are, and six planes cost more than one distance.
+        // Most nodes below a front are good enough wherever they are: told without a root, a quotient or six planes. Both
+        // sides of `distance - radius > error in pixels / most pixels`, times the most pixels; squares, with room for rounding.
+        let most = f64::from(self.error_max_px);
+        let apart = bound.center.as_dvec3().distance_squared(self.eye.as_dvec3());
+        let reach = f64::from(bound.error) * self.pixels_per_unit + f64::from(bound.radius) * most;
+        if most > 0.0 && apart * most * most > reach * reach * (1.0 + 1e-9) {
+            return false;
+        }
         self.excess_seen(bound) > 0.0 && self.sees(bound)
     }
 }
@@ -114,6 +121,7 @@ impl Relax for ScreenError {
 mod tests {
     use super::*;
     use crate::criterion::tests::ball;
+    use proptest::prelude::*;
 
     fn camera() -> Camera {
         Camera { near: 1.0, ..Camera::around(-Vec3::ONE, Vec3::ONE, Vec3::Z) }
@@ -127,6 +135,17 @@ mod tests {
         let expected = camera.pixels_per_unit() * 0.01 / 2.0;
         let got = criterion.excess(&ball(ahead, 1.0, 0.01), false);
         assert!((got - expected).abs() < 1e-3 * expected, "{got} {expected}");
+    }
+
+    proptest! {
+        #[test]
+        fn it_asks_for_what_exceeds(center in prop::array::uniform3(-9f32..9.0), radius in 0f32..9.0, error in 0f32..0.1, px in 0f32..20.0) {
+            for error_max_px in [px, 0.0, -1.0] {
+                let criterion = ScreenError::new(&camera(), error_max_px);
+                let bound = ball(Vec3::from(center), radius, error);
+                prop_assert_eq!(criterion.asks(&bound, false), criterion.excess(&bound, false) > 0.0);
+            }
+        }
     }
 
     #[test]

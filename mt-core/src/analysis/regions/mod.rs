@@ -92,7 +92,7 @@ const VERTICES_MIN: usize = 16;
 /// and the same for any number of threads.
 ///
 /// O(cells log cells). Holds, besides what the listener keeps, a copy of what is left of the mesh with the operator's
-/// memories, and the drafts of 64 regions; before the first round a draft of the whole mesh, while the operator prepares.
+/// memories, and the drafts of 32 regions; before the first round a draft of the whole mesh, while the operator prepares.
 pub fn analyse_by_regions<const N: usize, O: RegionOperator<N>, L: RegionListener<N>>(
     mesh: &Mesh<N>,
     operator: &O,
@@ -114,7 +114,7 @@ pub fn analyse_by_regions<const N: usize, O: RegionOperator<N>, L: RegionListene
     if !watch(Progress { cells_in, cells: cells_in }) {
         return ended(refusals, Stopped::Cancelled);
     }
-    let (whole, remnant) = prepare(mesh, operator)?;
+    let (whole, remnant) = pool.install(|| prepare(mesh, operator))?;
     let mut partition = pool.install(|| Partition::new(remnant, size, 0));
     let mut schedule = Schedule::default();
     for number in 1.. {
