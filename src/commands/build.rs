@@ -130,6 +130,10 @@ enum Sheets {
 impl Build {
     pub fn run(self) -> Result<ExitCode, CommandError> {
         files::check_output(&self.output, "a model", "mt")?;
+        if self.dependency.is_some() && matches!(self.errors, Errors::Measured) {
+            // What is measured is a modification as a whole; a hierarchy wants the error of each merge.
+            return Err(CommandError::Other("--errors measured is for explicit models, not with --dependency".into()));
+        }
         let history = self.history.as_deref().map(|path| files::open_lines(path).map(|lines| (path, lines)));
         let history = history.transpose()?;
         let clock = Clock::start();
@@ -181,10 +185,6 @@ impl Build {
             return Err(CommandError::Other("--until-error must be a number, 0 or more".into()));
         }
         let operator = self.chosen_operator()?;
-        if self.dependency.is_some() && matches!(self.errors, Errors::Measured) {
-            // What is measured is a modification as a whole; a hierarchy wants the error of each merge.
-            return Err(CommandError::Other("--errors measured is for explicit models, not with --dependency".into()));
-        }
         let options = Options {
             until_cells: self.until_cells,
             until_error: self.until_error,

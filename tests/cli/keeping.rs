@@ -10,6 +10,14 @@ fn room() -> Room {
     room
 }
 
+/// Runs `mtess`, which must refuse with a last line that names `names`, after what it found on loading. Gives the line.
+fn refused_at_last(room: &Room, arguments: &str, names: &str) -> String {
+    let told = room.run(arguments);
+    let line = told.err.lines().last().unwrap_or_default().to_owned();
+    assert!(told.code == Some(1) && line.starts_with("error: ") && line.contains(names), "mtess {arguments}: {told:?}");
+    line
+}
+
 #[test]
 fn a_hierarchy_is_built_told_and_extracted_from() {
     let room = room();
@@ -89,7 +97,8 @@ fn what_a_hierarchy_has_not_is_refused() {
     room.refused("verify ball.mt --operator fan-merge", "ball.mt");
     room.refused("build ball.ply -o y.mt --dependency dual-piece --errors measured", "--errors measured");
     // A scheme that does not take the merges is refused before anything is written.
-    room.refused("build ball.ply -o y.mt --operator vertex-pair --dependency four-face", "four-face");
+    refused_at_last(&room, "build ball.ply -o y.mt --operator vertex-pair --dependency four-face", "four-face");
+    assert!(!room.files().contains(&"y.mt".to_owned()));
 }
 
 #[test]
@@ -112,11 +121,11 @@ fn what_takes_too_much_memory_is_refused_before_it_begins() {
     let line = room.refused("build ball.ply -o ball.mt --memory-limit 1M", "ball.ply: loading it takes about");
     assert!(line.contains("--memory-limit allows 1.0 MB"), "{line}");
     let line =
-        room.refused("build ball.ply -o ball.mt --memory-limit 17M", "coarsening 1280 triangles takes about 17 MB");
+        refused_at_last(&room, "build ball.ply -o ball.mt --memory-limit 17.1M", "coarsening 1280 triangles takes");
     assert!(line.contains("--memory-limit allows 17 MB"), "{line}");
     room.good("build ball.ply -o ball.mt --memory-limit 1G");
     room.refused("info ball.mt --memory-limit 900k", "ball.mt: loading it takes about");
-    room.refused("study ball.ply --memory-limit 17.1M -o report", "ball.ply: studying it takes about");
+    refused_at_last(&room, "study ball.ply --memory-limit 17.1M -o report", "ball.ply: studying it takes about");
     let wrong = room.run("build ball.ply -o x.mt --memory-limit lots");
     assert!(wrong.code == Some(2) && wrong.err.contains("900M"), "{wrong:?}");
 }
@@ -153,7 +162,9 @@ fn the_benchmark_measures_every_row() {
         }
         assert!(row["steps"]["ns"].as_f64().is_some_and(|ns| ns > 0.0), "{row}");
         assert!(row["frames"]["triangles"].as_f64().is_some_and(|count| count > 4.0), "{row}");
-        assert_eq!(row["quality"].as_array().map(Vec::len), Some(2), "1 % is below the base mesh: {row}");
+        // 1 % is 12 triangles, which may be fewer than the base mesh has.
+        let sizes = if row["base"].as_u64().is_some_and(|base| base <= 12) { 3 } else { 2 };
+        assert_eq!(row["quality"].as_array().map(Vec::len), Some(sizes), "{row}");
     }
     let mut files = std::fs::read_dir(room.path("report")).unwrap().map(|e| e.unwrap().file_name()).collect::<Vec<_>>();
     files.sort();
