@@ -9,10 +9,6 @@ use mt_core::{ErrorKind, Mesh, Replay, Sequence};
 use operators::AnyOperator;
 use std::path::Path;
 
-/// Meshes of so many triangles are coarsened region by region, if nothing else is said: below, one queue for all does not
-/// leave the cache by much.
-const LARGE: usize = 40_000;
-
 /// What coarsens a mesh, and how.
 pub struct Coarsening {
     pub operator: AnyOperator,
@@ -68,8 +64,8 @@ impl Coarsening {
 /// The regions that such a mesh is usually coarsened by, if any.
 pub fn usual_regions(mesh: &Mesh<3>, operator: &AnyOperator, options: &Options, threads: usize) -> Option<Regions> {
     let measured = options.error_kind == ErrorKind::Measured;
-    let by_regions = mesh.cell_count() >= LARGE && !measured && operator.works_by_regions();
-    by_regions.then(|| Regions { threads, ..Regions::default() })
+    let pays = operator.regions_pay_from().is_some_and(|from| mesh.cell_count() >= from);
+    (pays && !measured).then(|| Regions { threads, ..Regions::default() })
 }
 
 /// An analysis of this file that failed, with the way out where there is one.
