@@ -18,7 +18,7 @@ pub enum Kept {
     /// All cells.
     Cells(Box<Explicit<3>>),
     /// The merges, and what there is to tell of the hierarchy.
-    Merges { story: Story, scheme: Scheme, facts: MergeFacts },
+    Merges { story: Box<Story>, scheme: Scheme, facts: MergeFacts },
 }
 
 /// What there is to tell of a hierarchy.
@@ -56,7 +56,8 @@ impl Kept {
         let replay = Arc::new(replay.renumbered(&numbering));
         let facts = scheme.visit(&replay, Count).map_err(|error| FileError::new(path, error))?;
         drop(replay);
-        Ok((Self::Merges { story: story.renumbered(&numbering), scheme, facts }, ended))
+        let story = Box::new(story.renumbered(&numbering));
+        Ok((Self::Merges { story, scheme, facts }, ended))
     }
 
     /// Writes the model.

@@ -8,10 +8,13 @@ use crate::plot::{Axis, Lines, Series};
 struct Column {
     heading: &'static str,
     digits: usize,
-    value: fn(&Row) -> Option<f64>,
+    value: Value,
 }
 
-const fn column(heading: &'static str, digits: usize, value: fn(&Row) -> Option<f64>) -> Column {
+/// What there is of a figure in a row.
+type Value = fn(&Row) -> Option<f64>;
+
+const fn column(heading: &'static str, digits: usize, value: Value) -> Column {
     Column { heading, digits, value }
 }
 
@@ -128,7 +131,7 @@ pub fn csv(rows: &[Row]) -> String {
 }
 
 /// What is plotted against the number of triangles.
-const PLOTS: [(&str, &str, fn(&Row) -> Option<f64>); 6] = [
+const PLOTS: [(&str, &str, Value); 6] = [
     ("Building", "wall seconds", |row| Some(row.built.wall_s)),
     ("Peak memory of building", "bytes", |row| row.built.peak_bytes.map(|bytes| bytes as f64)),
     ("Loading", "wall seconds", |row| Some(row.built.load_s)),
@@ -201,7 +204,7 @@ fn lines_by_size(rows: &[Row]) -> Vec<(String, Vec<&Row>)> {
     lines
 }
 
-fn line(name: &str, rows: &[&Row], value: fn(&Row) -> Option<f64>) -> Series {
+fn line(name: &str, rows: &[&Row], value: Value) -> Series {
     let points = rows.iter().filter_map(|row| Some([row.triangles as f64, value(row)?]));
     Series { name: name.into(), points: points.collect() }
 }
