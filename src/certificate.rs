@@ -3,8 +3,8 @@
 
 use crate::files::{self, FileError};
 use glam::Vec3;
-use mt_core::check::{Breach, Certificate, is_least};
-use mt_core::{Bound, Camera, Front, MultiTessellation, NodeId};
+use mt_core::check::{Breach, Certificate, Law, is_least};
+use mt_core::{Bound, Camera, Front, MultiTessellation, NodeId, Rule};
 use selective::{Criterion, InRegion, Region, ScreenError, UniformError, Wish, certify};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -52,10 +52,20 @@ pub fn of_front(
     wish: Asked,
     front: &Front,
 ) -> Result<Document, Breach> {
+    check_static(model)?;
     let criterion = wish.wish();
     let asked = |m: NodeId| criterion.asks(&model.bound(m), false);
     let entries = certify(&mt_core::check::order_of(model)?, &asked, front)?;
     Ok(Document { certificate: 1, nodes: model.len(), wish, entries })
+}
+
+/// A certificate speaks of an order, and a dynamic rule has none.
+fn check_static<M: MultiTessellation<3>>(_: &M) -> Result<(), Breach> {
+    let what = "what steps wait for depends on the mesh here, so there is no least front to certify";
+    match M::RULE {
+        Rule::Static => Ok(()),
+        Rule::Dynamic => Err(Breach { law: Law::Minimality, node: None, what: what.into() }),
+    }
 }
 
 /// Writes a certificate as JSON.
@@ -78,7 +88,8 @@ pub fn check(path: &Path, model: &impl MultiTessellation<3, Bound = Bound>) -> R
     if let Asked::Screen { camera, .. } = &document.wish {
         camera.check().map_err(|error| wrong(error.to_string()))?;
     }
-    let order = mt_core::check::order_of(model).map_err(|breach| wrong(breach.to_string()))?;
+    let order = check_static(model).and_then(|()| mt_core::check::order_of(model));
+    let order = order.map_err(|breach| wrong(breach.what))?;
     let criterion = document.wish.wish();
     let asked = |m: NodeId| criterion.asks(&model.bound(m), false);
     is_least(&order, &asked, &document.entries)

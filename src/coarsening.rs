@@ -3,7 +3,7 @@
 use crate::commands::CommandError;
 use crate::files::FileError;
 use crate::memory;
-use crate::progress::{Progress, interrupted};
+use crate::progress::{Progress, interrupted, spinning};
 use mt_core::analysis::{AnalysisError, Ended, Options, RegionListener, Regions, Stopped, Unfit};
 use mt_core::{ErrorKind, Mesh, Replay, Sequence};
 use operators::AnyOperator;
@@ -15,8 +15,6 @@ pub struct Coarsening {
     pub options: Options,
     /// The regions it goes by, if it does.
     pub regions: Option<Regions>,
-    /// Threads for what follows from it, 0 for as many as there are cores.
-    pub threads: usize,
 }
 
 impl Coarsening {
@@ -24,7 +22,7 @@ impl Coarsening {
     pub fn usual(mesh: &Mesh<3>, operator: &AnyOperator) -> Self {
         let options = Options::default();
         let regions = usual_regions(mesh, operator, &options, 0);
-        Self { operator: operator.clone(), options, regions, threads: 0 }
+        Self { operator: operator.clone(), options, regions }
     }
 
     /// Refuses to begin what is expected to take more memory than there is; `keeps_cells` as an explicit model does.
@@ -41,7 +39,7 @@ impl Coarsening {
         mesh: &Mesh<3>,
         listener: &mut impl RegionListener<3>,
     ) -> Result<Ended, CommandError> {
-        let Self { operator, options, regions, .. } = self;
+        let Self { operator, options, regions } = self;
         let mut progress = Progress::new("coarsening", mesh.cell_count() as u64);
         let mut watch = |at: mt_core::analysis::Progress| progress.at((at.cells_in - at.cells) as u64);
         let ended = match regions {
@@ -52,13 +50,12 @@ impl Coarsening {
         let cut_short = ended.stopped == Stopped::Cancelled || interrupted();
         if cut_short { Err(CommandError::Interrupted) } else { Ok(ended) }
     }
+}
 
-    /// Does what follows from it, on its threads.
-    pub fn conclude<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, CommandError> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build();
-        let pool = pool.map_err(|error| CommandError::Other(format!("no threads: {error}")))?;
-        Ok(pool.install(work))
-    }
+/// From here on this process works on so many threads, 0 for as many as there are cores.
+pub fn use_threads(threads: usize) -> Result<(), CommandError> {
+    let made = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    made.map_err(|error| CommandError::Other(format!("no threads: {error}")))
 }
 
 /// The regions that such a mesh is usually coarsened by, if any.
@@ -85,6 +82,6 @@ pub fn replay_of(path: &Path, mesh: &Mesh<3>, operator: &AnyOperator) -> Result<
     let coarsening = Coarsening::usual(mesh, operator);
     coarsening.check_memory(path, mesh, false)?;
     coarsening.run(path, mesh, &mut sequence)?;
-    let replay = Replay::new(mesh, &operator.links(mesh), &sequence);
+    let replay = spinning("replaying", || Replay::new(mesh, &operator.links(mesh), &sequence));
     replay.map_err(|error| FileError::new(path, error).into())
 }

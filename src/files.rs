@@ -27,7 +27,7 @@ impl FileError {
 }
 
 /// Refuses what is no file that could be read: a folder, a device, nothing.
-fn check_readable(path: &Path) -> Result<(), FileError> {
+pub fn check_readable(path: &Path) -> Result<(), FileError> {
     let what = match path {
         _ if path.is_dir() => "is a folder, not a file",
         _ if !path.exists() => "no such file",

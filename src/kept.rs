@@ -6,8 +6,8 @@ use crate::files::FileError;
 use crate::progress::spinning;
 use mt_core::analysis::Ended;
 use mt_core::container::{self, Meta, Storage};
-use mt_core::hierarchy::{Dependency, Story};
-use mt_core::{ErrorKind, Explicit, Hierarchy, Mesh, MultiTessellation, Recorder, Sequence};
+use mt_core::hierarchy::{Dependency, HierarchyError, Story};
+use mt_core::{ErrorKind, Explicit, Hierarchy, Mesh, MultiTessellation, Recorder, Sequence, VertexId, generate};
 use operators::order::{Scheme, Visit};
 use std::io::{self, Write};
 use std::path::Path;
@@ -33,8 +33,7 @@ impl Kept {
         coarsening.check_memory(path, mesh, true)?;
         let mut recorder = Recorder::new(mesh).map_err(|error| explain(path, error.into()))?;
         let ended = coarsening.run(path, mesh, &mut recorder)?;
-        let finish = || recorder.finish(coarsening.options.error_kind);
-        let model = spinning("ordering", || coarsening.conclude(finish))?;
+        let model = spinning("ordering", || recorder.finish(coarsening.options.error_kind));
         Ok((Self::Cells(Box::new(model.map_err(|error| explain(path, error.into()))?)), ended))
     }
 
@@ -47,16 +46,21 @@ impl Kept {
         scheme: Scheme,
     ) -> Result<(Self, Ended), CommandError> {
         coarsening.check_memory(path, &mesh, false)?;
+        let links = coarsening.operator.links(&mesh);
+        let wrong = |error: &dyn std::fmt::Display| CommandError::File(FileError::new(path, error));
+        if !links.is_empty() {
+            // Whether the scheme takes links at all is known before any work is done.
+            let edge = Story {
+                mesh: generate::triangle(),
+                links: vec![[0, 1].map(VertexId)],
+                sequence: Sequence::with_input(3),
+            };
+            ordered(edge, scheme).map_err(|error| wrong(&error))?;
+        }
         let mut sequence = Sequence::new(&mesh);
         let ended = coarsening.run(path, &mesh, &mut sequence)?;
-        let links = coarsening.operator.links(&mesh);
         let story = Story { mesh, links, sequence };
-        let replay = spinning("replaying", || story.replay()).map_err(|error| FileError::new(path, error))?;
-        let numbering = replay.numbering();
-        let replay = Arc::new(replay.renumbered(&numbering));
-        let facts = scheme.visit(&replay, Count).map_err(|error| FileError::new(path, error))?;
-        drop(replay);
-        let story = Box::new(story.renumbered(&numbering));
+        let (story, facts) = spinning("replaying", || ordered(story, scheme)).map_err(|error| wrong(&error))?;
         Ok((Self::Merges { story, scheme, facts }, ended))
     }
 
@@ -99,6 +103,14 @@ impl Kept {
             Self::Merges { .. } => ErrorKind::Estimate,
         }
     }
+}
+
+/// The story numbered for speed, and what there is to tell of its hierarchy.
+fn ordered(story: Story, scheme: Scheme) -> Result<(Box<Story>, MergeFacts), HierarchyError> {
+    let replay = story.replay()?;
+    let numbering = replay.numbering();
+    let facts = scheme.visit(&Arc::new(replay.renumbered(&numbering)), Count)?;
+    Ok((Box::new(story.renumbered(&numbering)), facts))
 }
 
 /// Counts the base mesh and the bytes of a hierarchy, whatever its dependencies.

@@ -1,5 +1,5 @@
 //! Memory: what this process has taken, what it may take, and what work is expected to take. Work that does not fit is
-//! refused before it begins.
+//! refused before it begins. Estimates, from what was measured; nothing is cut off that takes more than was thought.
 
 use std::sync::OnceLock;
 
@@ -9,6 +9,11 @@ static LIMIT: OnceLock<u64> = OnceLock::new();
 /// Takes so many bytes for the most that this process may have.
 pub fn limit(bytes: u64) {
     _ = LIMIT.set(bytes);
+}
+
+/// What `--memory-limit` says, if it was given.
+pub fn told_limit() -> Option<u64> {
+    LIMIT.get().copied()
 }
 
 /// Work that takes more memory than there is.
@@ -43,24 +48,25 @@ fn text(bytes: u64) -> String {
     }
 }
 
-/// A number of bytes, as in `900M`, `1.5G` or `2000000`.
+/// A number of bytes, as in `900M`, `1.5G`, `4GiB` or `2000000`.
 pub fn parse_bytes(text: &str) -> Result<u64, String> {
-    let upper = text.trim().to_ascii_uppercase();
-    let digits = upper.trim_end_matches('B').trim_end_matches('I');
-    let (number, unit) = match digits.strip_suffix(['K', 'M', 'G', 'T']) {
-        Some(number) => (number, digits.chars().last().unwrap_or(' ')),
-        None => (digits, ' '),
+    let end = text.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(text.len());
+    let (number, unit) = text.split_at(end);
+    let factor = match unit.to_ascii_uppercase().as_str() {
+        "" | "B" => 1u64,
+        "K" | "KB" => 1000,
+        "M" | "MB" => 1_000_000,
+        "G" | "GB" => 1_000_000_000,
+        "T" | "TB" => 1_000_000_000_000,
+        "KIB" => 1 << 10,
+        "MIB" => 1 << 20,
+        "GIB" => 1 << 30,
+        "TIB" => 1 << 40,
+        _ => 0,
     };
-    let factor = match unit {
-        'K' => 1e3,
-        'M' => 1e6,
-        'G' => 1e9,
-        'T' => 1e12,
-        _ => 1.0,
-    };
-    match number.trim().parse::<f64>() {
-        Ok(number) if number.is_finite() && number > 0.0 => Ok((number * factor) as u64),
-        _ => Err(format!("`{text}` is no number of bytes: 900M, 1.5G")),
+    match number.parse::<f64>().map(|number| number * factor as f64) {
+        Ok(bytes) if bytes >= 1.0 && bytes < u64::MAX as f64 => Ok(bytes as u64),
+        _ => Err(format!("`{text}` is no number of bytes, such as 900M, 1.5G or 4GiB")),
     }
 }
 
@@ -69,23 +75,24 @@ const AT_REST: u64 = 16 << 20;
 
 /// What loading a mesh is expected to take: the file, what it is read into, and the mesh with the tables of its repair.
 pub fn of_loading_mesh(file_bytes: u64) -> u64 {
-    AT_REST + 6 * file_bytes
+    file_bytes.saturating_mul(6).saturating_add(AT_REST)
 }
 
 /// What loading a model is expected to take: the file, its arrays, and what follows from these.
 pub fn of_loading_model(file_bytes: u64, unpacked: u64) -> u64 {
-    AT_REST + file_bytes + 3 * unpacked
+    unpacked.saturating_mul(3).saturating_add(file_bytes).saturating_add(AT_REST)
 }
 
 /// What coarsening takes at most, the input included, as measured from 80,000 to 16 million triangles (`mtess bench`).
 pub fn of_coarsening(triangles: usize, by_regions: bool, keeps_cells: bool) -> u64 {
-    let each = match (by_regions, keeps_cells) {
-        (true, true) => 330,
-        (true, false) => 250,
-        (false, true) => 450,
-        (false, false) => 390,
+    // Regions that are worked on at a time take the same whatever the mesh.
+    let (at_rest, each) = match (by_regions, keeps_cells) {
+        (true, true) => (3 * AT_REST, 330),
+        (true, false) => (3 * AT_REST, 250),
+        (false, true) => (AT_REST, 450),
+        (false, false) => (AT_REST, 390),
     };
-    AT_REST + triangles as u64 * each
+    at_rest + triangles as u64 * each
 }
 
 /// The largest resident size of this process so far, where the system tells it.
@@ -102,7 +109,12 @@ pub fn forget_peak() {
 /// The memory that is free or can be freed on this machine, where the system tells it.
 pub fn free_bytes() -> Option<u64> {
     let about = std::fs::read_to_string("/proc/meminfo").ok()?;
-    kilobytes(&about, "MemAvailable:")
+    let machine = kilobytes(&about, "MemAvailable:")?;
+    // A container may have less.
+    let of_group =
+        |name: &str| std::fs::read_to_string(format!("/sys/fs/cgroup/{name}")).ok()?.trim().parse::<u64>().ok();
+    let group = of_group("memory.max").zip(of_group("memory.current")).map(|(most, now)| most.saturating_sub(now));
+    Some(group.map_or(machine, |group| machine.min(group)))
 }
 
 /// What a line of the system's tables says, in bytes.
@@ -122,12 +134,16 @@ mod tests {
 
     #[test]
     fn bytes_are_read_with_their_units() {
-        for (text, bytes) in
-            [("2000000", 2_000_000), ("900M", 900_000_000), ("1.5G", 1_500_000_000), ("64 kib", 64_000)]
-        {
+        for (text, bytes) in [
+            ("2000000", 2_000_000),
+            ("900M", 900_000_000),
+            ("1.5G", 1_500_000_000),
+            ("64KiB", 65_536),
+            ("2tb", 2_000_000_000_000),
+        ] {
             assert_eq!(parse_bytes(text), Ok(bytes), "{text}");
         }
-        for wrong in ["", "G", "-1G", "0", "ten", "1e999", "NaN"] {
+        for wrong in ["", "G", "-1G", "0", "0.1", "ten", "1e999", "NaN", "1GBB", "1 G", "99999999T"] {
             assert!(parse_bytes(wrong).is_err(), "{wrong}");
         }
     }

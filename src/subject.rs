@@ -20,7 +20,7 @@ pub struct Subject {
     #[arg(long, value_name = "NAME[/METRIC]")]
     operator: Option<AnyOperator>,
     /// Of a mesh or a vertex hierarchy: what steps wait for: explicit, one-ring, cut-pair, four-face, dual-piece, implicit-ids,
-    /// implicit-ids-stored or dual-piece-free [default: dual-piece]
+    /// implicit-ids-stored or dual-piece-free [default: dual-piece for a mesh, else what the model was built for]
     #[arg(long, value_name = "NAME")]
     dependency: Option<Scheme>,
 }

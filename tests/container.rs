@@ -164,6 +164,61 @@ fn a_section_can_be_had_without_the_others() {
     }
 }
 
+/// A file of one section, all zeros, which claims to be so long when it is unpacked.
+fn bomb(name: &[u8; 4], kind: u8, length: u64) -> Vec<u8> {
+    // A frame of Zstandard that says a megabyte of zeros, over and over: `28 b5 2f fd`, no size, then blocks of one byte each.
+    let mut frame = vec![0x28, 0xb5, 0x2f, 0xfd, 0x00, 0x38];
+    for block in 0..64u32 {
+        let header = (128 * 1024) << 3 | 1 << 1 | u32::from(block == 63);
+        frame.extend_from_slice(&header.to_le_bytes()[..3]);
+        frame.push(0);
+    }
+    let mut file = b"\x89MT\r\n\x1a\n\0".to_vec();
+    let total = 128 + frame.len().next_multiple_of(64);
+    file.extend_from_slice(&2u32.to_le_bytes());
+    file.extend_from_slice(&1u32.to_le_bytes());
+    file.extend_from_slice(&(total as u64).to_le_bytes());
+    file.extend_from_slice(name);
+    file.extend_from_slice(&crc32fast::hash(&frame).to_le_bytes());
+    for number in [128, frame.len() as u64, length] {
+        file.extend_from_slice(&number.to_le_bytes());
+    }
+    file.extend_from_slice(&[kind, 0, 0, 0, 0, 0, 0, 0]);
+    let sum = crc32fast::hash(&file);
+    file.extend_from_slice(&sum.to_le_bytes());
+    file.resize(128, 0);
+    file.extend_from_slice(&frame);
+    file.resize(total, 0);
+    file
+}
+
+#[test]
+fn metadata_that_swells_is_not_unpacked() {
+    for length in [64 << 17, 1 << 40, u64::MAX] {
+        let bytes = bomb(b"META", 1, length);
+        let told = [container::open(&bytes).err(), Archive::open(Cursor::new(&bytes)).err()];
+        for error in told {
+            let error = error.expect("that is no model").to_string();
+            let seen = error.contains("bytes of metadata")
+                || error.contains("packed in no known way")
+                || error.contains("metadata:");
+            assert!(seen, "{length}: {error}");
+        }
+    }
+}
+
+#[test]
+fn sections_beyond_the_file_are_refused_at_the_head() {
+    for (at, number) in [(32usize, 1u64 << 60), (40, 1 << 60), (40, u64::MAX), (32, 3)] {
+        let mut bytes = bomb(b"META", 1, 100);
+        bytes[at..at + 8].copy_from_slice(&number.to_le_bytes());
+        let sum = crc32fast::hash(&bytes[..64]);
+        bytes[64..68].copy_from_slice(&sum.to_le_bytes());
+        assert!(matches!(container::open(&bytes).err(), Some(ContainerError::Layout(_))), "{at} {number}");
+        assert!(matches!(Archive::open(Cursor::new(&bytes)).err(), Some(ContainerError::Layout(_))), "{at} {number}");
+    }
+}
+
 #[test]
 fn a_newer_version_is_refused_by_number() {
     let mut bytes = small();

@@ -33,7 +33,8 @@ const LAYERS: [(&str, &[&str]); 6] = [
 const SIBLINGS: [&str; 3] = ["operators", "selective", "render"];
 
 /// Lines outside `src/files.rs` that may open a file: file, what the line contains, why.
-const OPENERS: [(&str, &str, &str); 5] = [
+const OPENERS: [(&str, &str, &str); 6] = [
+    ("src/memory.rs", "/sys/fs/cgroup/", "and a group of processes its share"),
     ("src/memory.rs", "/proc/self/status", "the system tells a process its memory by a file, which is no input"),
     ("src/memory.rs", "/proc/self/clear_refs", "and is told so to begin anew"),
     ("src/memory.rs", "/proc/meminfo", "and the machine's"),

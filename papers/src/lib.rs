@@ -8,7 +8,7 @@
 //! | module | what is there |
 //! |---|---|
 //! | [`study`] | subjects, the camera path, the matrix of runs, results as tidy rows, the report |
-//! | [`bench`] | what models cost, row by row, and the tables of it |
+//! | [`mod@bench`] | what models cost, row by row, and the tables of it |
 //! | [`distance`] | how far two meshes are from one another: samples against exact nearest points |
 //! | [`plot`] | lines and bars as SVG that takes its colours from the page |
 //! | [`html`] | one page that needs no other file |

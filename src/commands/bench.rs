@@ -2,15 +2,15 @@
 
 use super::study::{chosen, name_of};
 use super::{CommandError, print_json, print_text};
-use crate::coarsening::{Coarsening, usual_regions};
+use crate::coarsening::{Coarsening, use_threads, usual_regions};
 use crate::files::{self, FileError, Model};
 use crate::kept::Kept;
-use crate::memory::{forget_peak, peak_bytes};
+use crate::memory::{self, forget_peak, peak_bytes};
 use crate::progress::{Clock, Progress, interrupted};
 use clap::Args;
 use mt_core::analysis::{Options, Regions};
 use mt_core::container::{Meta, Storage};
-use mt_core::format::{LoadOptions, NonManifold};
+use mt_core::format::LoadOptions;
 use mt_core::hierarchy::Dependency;
 use mt_core::{Bound, Hierarchy, Mesh, MultiTessellation, generate};
 use operators::AnyOperator;
@@ -41,11 +41,11 @@ pub struct Bench {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
     runs: u32,
     /// Vertices of the regions that a mesh is coarsened by, 0 for none; if not set, as `mtess build` does
-    #[arg(long, value_name = "VERTICES")]
+    #[arg(long, value_name = "VERTICES", value_parser = parse_regions)]
     regions: Option<u32>,
     /// Threads that coarsen by regions, a row for each; 0 for as many as there are cores
-    #[arg(long, value_name = "N,M", value_delimiter = ',', default_values_t = [0])]
-    threads: Vec<usize>,
+    #[arg(long, value_name = "N,M", value_delimiter = ',', default_values_t = [0], value_parser = clap::value_parser!(u32).range(0..=1024))]
+    threads: Vec<u32>,
     /// Frames of the camera path, 0 for none
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     frames: u32,
@@ -68,12 +68,31 @@ const SHAPES: [&str; 2] = ["terrain", "genus-2"];
 /// Distances from larger models take more memory than building them.
 const MEASURED_MAX: usize = 2_000_000;
 
+fn parse_regions(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(1..16) => Err("16 at least, 0 for none".into()),
+        Ok(vertices) => Ok(vertices),
+        Err(_) => Err("a number of vertices is wanted".into()),
+    }
+}
+
+/// Each once.
+fn distinct<T: Copy + PartialEq>(all: &[T]) -> Vec<T> {
+    let mut once = Vec::new();
+    all.iter().for_each(|&one| {
+        if !once.contains(&one) {
+            once.push(one);
+        }
+    });
+    once
+}
+
 /// One row to be measured.
 struct Task {
     model: Source,
     operator: AnyOperator,
     dependency: DependencyKind,
-    threads: usize,
+    threads: u32,
 }
 
 /// Where a mesh comes from.
@@ -118,7 +137,7 @@ impl Bench {
         }
         self.write(&rows, &notes)?;
         if self.json {
-            print_json(&json!({ "machine": machine(), "rows": rows, "notes": notes }));
+            print_json(&json!({ "made": made_by(), "rows": rows, "notes": notes }));
         } else {
             print_text(&bench::markdown(&rows));
             notes.iter().for_each(|note| print_text(note));
@@ -133,16 +152,23 @@ impl Bench {
         let kinds = DependencyKind::all().map(DependencyKind::name).collect::<Vec<_>>();
         let dependencies: Vec<DependencyKind> = chosen(&self.dependencies, &kinds)?;
         let mut tasks = Vec::new();
+        for (i, path) in self.models.iter().enumerate() {
+            files::check_readable(path)?;
+            if self.models[..i].iter().any(|other| name_of(other) == name_of(path)) {
+                return Err(FileError::new(path, "another model of the benchmark has the same name").into());
+            }
+        }
         let sources = || -> Vec<Source> {
             if !self.models.is_empty() {
                 return self.models.iter().cloned().map(Source::File).collect();
             }
-            let of = |shape| self.triangles.iter().map(move |&triangles| Source::Generated { shape, triangles });
+            let sizes = distinct(&self.triangles);
+            let of = |shape| sizes.clone().into_iter().map(move |triangles| Source::Generated { shape, triangles });
             shapes.iter().copied().flat_map(of).collect()
         };
         for operator in &operators {
             for &dependency in &dependencies {
-                for &threads in &self.threads {
+                for threads in distinct(&self.threads) {
                     let task = |model| Task { model, operator: operator.clone(), dependency, threads };
                     tasks.extend(sources().into_iter().map(task));
                 }
@@ -181,13 +207,21 @@ impl Bench {
         command.args(["--operators", &task.operator.name(), "--dependencies", task.dependency.name()]);
         command.args(["--threads", &task.threads.to_string(), "-o"]).arg(&self.output);
         command.args(self.regions.iter().flat_map(|vertices| ["--regions".to_owned(), vertices.to_string()]));
+        let limit = memory::told_limit().map(|bytes| ["--memory-limit".to_owned(), bytes.to_string()]);
+        command.args(limit.into_iter().flatten());
         match &task.model {
             Source::File(path) => _ = command.arg("--").arg(path),
             Source::Generated { shape, triangles } => {
                 command.args(["--shapes", shape.name(), "--triangles", &triangles.to_string()]);
             }
         }
-        let done = command.stdin(Stdio::null()).output().map_err(|error| other(&error))?;
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let child = command.spawn().map_err(|error| other(&error))?;
+        let file = self.row_file(child.id());
+        let done = child.wait_with_output();
+        // Whatever became of the process, what it wrote is not to stay.
+        files::remove(&file);
+        let done = done.map_err(|error| other(&error))?;
         if interrupted() {
             return Err(CommandError::Interrupted);
         }
@@ -201,6 +235,8 @@ impl Bench {
 
     /// Builds, writes, loads and measures one row in this process.
     fn measure(&self, task: &Task) -> Result<Row, CommandError> {
+        use_threads(task.threads as usize)?;
+        task.check_memory()?;
         let (mesh, name) = (task.model.load()?, task.model.name());
         let path = Path::new(&name);
         let coarsening = self.coarsening(&mesh, task);
@@ -213,7 +249,7 @@ impl Bench {
             DependencyKind::Scheme(scheme) => Kept::merges(path, mesh, &coarsening, scheme)?.0,
         };
         let mut built = Built {
-            threads: task.threads,
+            threads: task.threads as usize,
             region_vertices: coarsening.regions.map_or(0, |regions| regions.vertices),
             wall_s: clock.wall(),
             cpu_s: clock.cpu(),
@@ -222,7 +258,7 @@ impl Bench {
             ..Built::default()
         };
         let base = kept.base();
-        let file = self.output.join(format!("row-{}.mt", std::process::id()));
+        let file = self.row_file(std::process::id());
         let model = store(kept, &file, &mut built);
         files::remove(&file);
         let input = task.model.load()?;
@@ -236,6 +272,7 @@ impl Bench {
         };
         Ok(Row {
             model: name,
+            shape: task.model.shape(),
             operator: task.operator.name(),
             dependency: task.dependency.name().to_owned(),
             vertices: counts[0],
@@ -248,24 +285,33 @@ impl Bench {
         })
     }
 
+    /// Where the model of a row is kept while it is measured.
+    fn row_file(&self, process: u32) -> PathBuf {
+        self.output.join(format!("row-{process}.mt"))
+    }
+
     fn coarsening(&self, mesh: &Mesh<3>, task: &Task) -> Coarsening {
         let options = Options::default();
         let regions = match self.regions {
             Some(0) => None,
-            Some(vertices) => task.operator.works_by_regions().then_some(Regions { vertices, threads: task.threads }),
-            None => usual_regions(mesh, &task.operator, &options, task.threads),
+            Some(vertices) => {
+                task.operator.works_by_regions().then_some(Regions { vertices, threads: task.threads as usize })
+            }
+            None => usual_regions(mesh, &task.operator, &options, task.threads as usize),
         };
-        Coarsening { operator: task.operator.clone(), options, regions, threads: task.threads }
+        Coarsening { operator: task.operator.clone(), options, regions }
     }
 
     fn write(&self, rows: &[Row], notes: &[String]) -> Result<(), CommandError> {
         let at = |name: &str| self.output.join(name);
-        let json = serde_json::to_vec_pretty(rows).map_err(|error| CommandError::Other(error.to_string()))?;
+        let all = json!({ "made": made_by(), "rows": rows, "notes": notes });
+        let json = serde_json::to_vec_pretty(&all).map_err(|error| CommandError::Other(error.to_string()))?;
+        let text = [made_by(), bench::markdown(rows), notes.join("\n")].join("\n\n");
         files::write_bytes(&at("bench.csv"), bench::csv(rows).as_bytes())?;
         files::write_bytes(&at("bench.json"), &json)?;
-        files::write_bytes(&at("bench.md"), bench::markdown(rows).as_bytes())?;
+        files::write_bytes(&at("bench.md"), text.as_bytes())?;
         // The page comes last: where it is, everything it tells of is.
-        Ok(files::write_bytes(&at("index.html"), bench::page(rows, &machine(), notes).as_bytes())?)
+        Ok(files::write_bytes(&at("index.html"), bench::page(rows, &made_by(), notes).as_bytes())?)
     }
 }
 
@@ -295,7 +341,7 @@ impl Measure<'_> {
     fn on<M: MultiTessellation<3, Bound = Bound>>(self, model: &M) -> Measured {
         let clock = Clock::start();
         let samples = if self.input.cell_count() > MEASURED_MAX { 0 } else { self.bench.samples };
-        bench::measure(model, self.input, self.bench.frames, samples, &|| clock.cpu(), &mut |_| !interrupted())
+        bench::measure(model, self.input, self.bench.frames, samples, &|| clock.cpu())
     }
 }
 
@@ -303,6 +349,16 @@ impl Visit for Measure<'_> {
     type Output = Measured;
     fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Measured {
         self.on(model)
+    }
+}
+
+impl Task {
+    /// Refuses to generate what is expected not to fit. What is loaded is looked at as it is loaded.
+    fn check_memory(&self) -> Result<(), CommandError> {
+        let Source::Generated { triangles, .. } = self.model else { return Ok(()) };
+        let by_regions = self.operator.regions_pay_from().is_some_and(|from| triangles as usize >= from);
+        let bytes = memory::of_coarsening(triangles as usize, by_regions, self.dependency == DependencyKind::Cells);
+        memory::allow(&self.model.name(), bytes).map_err(|error| CommandError::Other(error.to_string()))
     }
 }
 
@@ -314,11 +370,18 @@ impl Source {
         }
     }
 
+    fn shape(&self) -> Option<String> {
+        match self {
+            Self::File(_) => None,
+            Self::Generated { shape, .. } => Some(shape.name().to_owned()),
+        }
+    }
+
     fn load(&self) -> Result<Mesh<3>, CommandError> {
         match self {
             Self::File(path) => {
-                let options = LoadOptions { non_manifold: NonManifold::Split, ..LoadOptions::default() };
-                Ok(files::load_mesh(path, &options)?.0)
+                // What is no manifold is refused by who cannot take it, and noted.
+                Ok(files::load_mesh(path, &LoadOptions::default())?.0)
             }
             Self::Generated { shape, triangles } => Ok(shape.generate(*triangles)),
         }
@@ -344,8 +407,10 @@ impl Shape {
     }
 }
 
-/// What the figures were measured on.
-fn machine() -> String {
+/// What the figures were measured on, and by which command.
+fn made_by() -> String {
     let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
-    format!("{} {}, {cores} cores, mtess {}", std::env::consts::OS, std::env::consts::ARCH, env!("CARGO_PKG_VERSION"))
+    let command: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    let (system, version) = (std::env::consts::OS, env!("CARGO_PKG_VERSION"));
+    format!("mtess {version} on {system} {}, {cores} cores: mtess {}", std::env::consts::ARCH, command.join(" "))
 }

@@ -5,7 +5,7 @@ use crate::files::{self, FileError, Model};
 use clap::Args;
 use mt_core::container::{Meta, SectionInfo};
 use mt_core::hierarchy::Dependency;
-use mt_core::{Explicit, Hierarchy, MultiTessellation, NodeId};
+use mt_core::{Explicit, Hierarchy, MultiTessellation, NodeId, Order, Rule};
 use operators::order::{Scheme, Visit};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -70,7 +70,7 @@ fn sections_text(sections: &[SectionInfo]) -> Vec<String> {
     let of = |s: &SectionInfo| format!("{} {}", s.name, s.stored);
     let table = sections.iter().map(of).collect::<Vec<_>>().join(", ");
     let packed = if stored < unpacked { format!(", {unpacked} unpacked") } else { String::new() };
-    vec![format!("in the file    {stored} bytes{packed}: {table}")]
+    vec![format!("sections       {stored} bytes in the file{packed}: {table}")]
 }
 
 /// The facts of a hierarchy, whatever its dependencies.
@@ -84,7 +84,9 @@ impl Visit for Facts<'_> {
     fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Value {
         let (replay, meta) = (&model.replay, self.meta);
         let vertices = f64::from(replay.leaf_count().max(1));
-        let order = mt_core::check::order_of(model).ok();
+        // A dynamic rule has no order to speak of.
+        let order = (D::RULE == Rule::Static).then(|| mt_core::check::order_of(model).ok()).flatten();
+        let terminal = |order: &Order| (0..order.len()).filter(|&m| order.needs(NodeId(m)).is_empty()).count();
         let errors = || (0..model.len()).map(|m| model.bound(NodeId(m)).error);
         let leaves = order.as_ref().map(|order| (0..model.len()).filter(|&m| order.dependents(NodeId(m)).is_empty()));
         let input = replay.reference();
@@ -104,7 +106,7 @@ impl Visit for Facts<'_> {
             "bounding_box": bounding_box.map(|(low, high)| [low.to_array(), high.to_array()]),
             "arcs": order.as_ref().map(|order| order.arc_count()),
             "depth": order.as_ref().map(|order| order.depth()),
-            "terminal_modifications": replay.roots().len(),
+            "terminal_modifications": order.as_ref().map(terminal),
             "leaf_modifications": leaves.map(Iterator::count),
             "stopped": meta.stopped,
             "error_kind": meta.error_kind,
@@ -189,21 +191,23 @@ fn text(facts: &Value, meta: &Meta) -> Vec<String> {
         ),
         format!("extent         {} to {}, diagonal {}", get_corner(facts, 0), get_corner(facts, 1), get("diagonal")),
         format!("base mesh      {} cells ({})", get("cells_base"), get("stopped")),
-        format!(
-            "modifications  {}, in an order of {} arcs and depth {}",
-            get("modifications"),
-            get("arcs"),
-            get("depth")
-        ),
-        format!(
-            "               {} terminal (nothing coarser follows), {} that nothing needs",
-            get("terminal_modifications"),
-            get("leaf_modifications")
-        ),
+        match facts["arcs"].is_null() {
+            true => format!("modifications  {}, under a rule that looks at the mesh", get("modifications")),
+            false => format!(
+                "modifications  {}, in an order of {} arcs and depth {}; {} terminal (nothing coarser follows), {} that nothing \
+                 needs",
+                get("modifications"),
+                get("arcs"),
+                get("depth"),
+                get("terminal_modifications"),
+                get("leaf_modifications")
+            ),
+        },
         format!("errors         {} to {} model units ({})", get("error_min"), get("error_max"), get("error_kind")),
         format!(
-            "memory         {} bytes, {:.1} an input vertex",
+            "memory         {} bytes{}, {:.1} an input vertex",
             get("bytes"),
+            if meta.dependency.is_some() { " besides the input" } else { "" },
             facts["bytes_per_vertex"].as_f64().unwrap_or(0.0)
         ),
         format!("refused plans  {}", if refusals.is_empty() { "none".into() } else { refusals.join(", ") }),

@@ -19,8 +19,8 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(name = "mtess", version, about, arg_required_else_help = true)]
 pub struct Cli {
-    /// Most memory that may be taken, as in 900M or 8G; work that is expected to take more is refused before it begins. If not
-    /// set, what is free on this machine
+    /// Memory that may be taken, as in 900M, 8G or 4GiB: work that is expected to take more is refused before it begins, by an
+    /// estimate. If not set, what is free on this machine
     #[arg(long, global = true, value_name = "BYTES", value_parser = crate::memory::parse_bytes)]
     memory_limit: Option<u64>,
     #[command(subcommand)]

@@ -174,7 +174,11 @@ impl Verify {
                 Ok(summary) => {
                     let seconds = clock.wall();
                     if !self.json {
-                        print_text(&self.text(&format!("{operator}, {scheme}: every law"), &summary, seconds));
+                        print_text(&self.text(
+                            &format!("{operator}, {scheme}: {}", laws_of(scheme)),
+                            &summary,
+                            seconds,
+                        ));
                     }
                     told.push(json!({ "dependency": scheme.name(), "checks": summary, "seconds": seconds }));
                 }
@@ -254,6 +258,11 @@ impl Visit for Certify<'_> {
     fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Self::Output {
         self.0.certified(model)
     }
+}
+
+/// What is judged of a scheme.
+fn laws_of(scheme: Scheme) -> &'static str {
+    if scheme.is_static() { "every law" } else { "every law that a dynamic rule claims, none of those on orders," }
 }
 
 /// The statement of Rust that makes a scheme for a replay.

@@ -111,6 +111,13 @@ fn a_hierarchy_is_drawn_certified_and_walked() {
     room.good("bisect ball.mt --frames 4");
     // Another scheme on the same merges.
     room.good("bisect ball.mt --frames 4 --dependency one-ring");
+    // What has no order has no least front, and says so.
+    room.good("build ball.ply -o free.mt --dependency implicit-ids");
+    let line = room.refused("extract free.mt --error 0.01 -o y.ply --certificate y.json", "no certificate");
+    assert!(line.contains("no least front"), "{line}");
+    room.refused("verify free.mt --certificate why.json", "why.json");
+    let info = room.good("info free.mt").out;
+    assert!(info.contains("under a rule that looks at the mesh"), "{info}");
     let all = room.good("verify ball.mt --dependency all --fronts 2 --json").json();
     assert!(all["schemes"].as_array().is_some_and(|schemes| schemes.len() == 8), "{all}");
 }
@@ -126,6 +133,8 @@ fn what_takes_too_much_memory_is_refused_before_it_begins() {
     room.good("build ball.ply -o ball.mt --memory-limit 1G");
     room.refused("info ball.mt --memory-limit 900k", "ball.mt: loading it takes about");
     refused_at_last(&room, "study ball.ply --memory-limit 17.1M -o report", "ball.ply: studying it takes about");
+    refused_at_last(&room, "bench ball.ply --memory-limit 2M -o report", "loading it takes about");
+    refused_at_last(&room, "bench --triangles 4000000 --memory-limit 100M -o report", "terrain-4000000 takes about");
     let wrong = room.run("build ball.ply -o x.mt --memory-limit lots");
     assert!(wrong.code == Some(2) && wrong.err.contains("900M"), "{wrong:?}");
 }

@@ -27,6 +27,7 @@ impl<R: Read + Seek> Archive<R> {
     pub fn open(mut source: R) -> Result<Self, ContainerError> {
         let entries = layout::read_table(&mut source)?.entries;
         let entry = *entries.iter().find(|entry| entry.name == *b"META").ok_or_else(|| missing(b"META"))?;
+        entry.check_meta()?;
         let meta = meta_of(&layout::read_section(&mut source, &entry)?)?;
         Ok(Self { source, entries, meta })
     }

@@ -56,7 +56,7 @@ pub fn write_as<const N: usize>(
         bytemuck::cast_slice(&parts.parents),
         bytemuck::cast_slice(&parts.bounds),
     ];
-    write_sections(&shapes(N), &bytes, storage, out)
+    write_sections(&shapes(N), &bytes, (storage, 1), out)
 }
 
 pub(super) fn read<const N: usize>(container: &Container<'_>) -> Result<Explicit<N>, ContainerError> {

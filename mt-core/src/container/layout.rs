@@ -14,6 +14,9 @@ const SECTIONS_MAX: u32 = 64;
 /// for each that is there.
 const SWELL_MAX: u64 = 1 << 16;
 
+/// More metadata than any file has.
+const META_MAX: u64 = 16 << 20;
+
 /// Bytes of an entry of the table. The second version says how a section is packed.
 fn entry_len(version: u32) -> usize {
     if version == 1 { 24 } else { 40 }
@@ -42,6 +45,12 @@ pub(super) struct Entry {
 }
 
 impl Entry {
+    /// Refuses metadata that is no text of a reasonable length, before it is unpacked.
+    pub(super) fn check_meta(&self) -> Result<(), ContainerError> {
+        let fits = self.length <= META_MAX;
+        if fits { Ok(()) } else { Err(ContainerError::Layout(format!("{} bytes of metadata", self.length))) }
+    }
+
     /// What to call it in errors.
     pub(super) fn title(&self) -> String {
         format!("section {}", String::from_utf8_lossy(&self.name))
@@ -69,9 +78,10 @@ pub(super) struct Table {
     end: usize,
 }
 
-/// Writes head, table and sections, in the oldest version that can hold them.
-pub(super) fn write(sections: &[Section<'_>], out: &mut impl Write) -> io::Result<()> {
-    let version = if sections.iter().all(|section| section.packing == Packing::Plain) { 1 } else { VERSION };
+/// Writes head, table and sections, in the oldest version that can hold them and that knows what they hold: `since`.
+pub(super) fn write(sections: &[Section<'_>], since: u32, out: &mut impl Write) -> io::Result<()> {
+    let plain = sections.iter().all(|section| section.packing == Packing::Plain);
+    let version = if plain { since } else { VERSION };
     let mut offset = aligned((HEAD + entry_len(version) * sections.len() + 4) as u64);
     let mut table = Vec::new();
     for section in sections {
@@ -140,7 +150,13 @@ fn table(start: &[u8], found: u64) -> Result<Table, ContainerError> {
         return Err(ContainerError::Layout(format!("{} bytes too many", found - length)));
     }
     let rows = start[HEAD..end].chunks_exact(entry_len(version));
-    Ok(Table { entries: rows.map(entry).collect::<Result<_, _>>()?, end: end + 4 })
+    let entries: Vec<Entry> = rows.map(entry).collect::<Result<_, _>>()?;
+    let mut from = end as u64 + 4;
+    for entry in &entries {
+        let ends = entry.offset.checked_add(entry.stored).filter(|&ends| ends <= length && entry.offset >= from);
+        from = ends.ok_or_else(|| ContainerError::Layout(format!("{} lies outside the file", entry.title())))?;
+    }
+    Ok(Table { entries, end: end + 4 })
 }
 
 fn entry(row: &[u8]) -> Result<Entry, ContainerError> {

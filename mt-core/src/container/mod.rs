@@ -12,8 +12,8 @@
 //! | 4 | CRC-32 of all the above |
 //!
 //! Sections start at multiples of 64, with zeros between. `META` is JSON ([`Meta`]), the others are arrays. Two kinds of models
-//! are kept: [`Explicit`] ones, all of their cells and bounds ([`write`]), and vertex hierarchies, as the input mesh and the
-//! sequence of its merges ([`write_story`]). What follows from these is not stored: orders follow from cells, a replay from a
+//! are kept: [`Explicit`] ones, all of their cells and bounds ([`write()`]), and vertex hierarchies, as the input mesh and the
+//! sequence of its merges ([`write_story`]; the command numbers the input anew, see [`crate::Replay::numbering`]). What follows from these is not stored: orders follow from cells, a replay from a
 //! story. Loading copies the arrays once and checks all of them.
 //!
 //! Each section is packed by itself or not at all ([`Storage`]), so any of them can be had without the others ([`Archive`]).
@@ -143,6 +143,7 @@ pub fn open(bytes: &[u8]) -> Result<Container<'_>, ContainerError> {
     let sections = layout::read(bytes)?;
     let found = sections.iter().find(|(entry, _)| entry.name == *b"META");
     let (entry, stored) = found.ok_or_else(|| missing(b"META"))?;
+    entry.check_meta()?;
     let meta = meta_of(&entry.unpacked(stored)?)?;
     Ok(Container { sections, meta })
 }
@@ -214,11 +215,16 @@ const fn numbers(name: &[u8; 4], columns: u8) -> Shape {
 
 const TEXT: Shape = Shape { name: *b"META", packing: Packing::Text };
 
-/// Writes these bytes as sections of these shapes.
-fn write_sections(shapes: &[Shape], bytes: &[&[u8]], storage: Storage, out: &mut impl io::Write) -> io::Result<()> {
+/// Writes these bytes as sections of these shapes, which version `since` of the format knows.
+fn write_sections(
+    shapes: &[Shape],
+    bytes: &[&[u8]],
+    (storage, since): (Storage, u32),
+    out: &mut impl io::Write,
+) -> io::Result<()> {
     debug_assert_eq!(shapes.len(), bytes.len());
     let sections = shapes.par_iter().zip(bytes).map(|(shape, bytes)| section(shape, bytes, storage));
-    layout::write(&sections.collect::<io::Result<Vec<_>>>()?, out)
+    layout::write(&sections.collect::<io::Result<Vec<_>>>()?, since, out)
 }
 
 fn section<'a>(shape: &Shape, bytes: &'a [u8], storage: Storage) -> io::Result<Section<'a>> {

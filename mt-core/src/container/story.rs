@@ -2,6 +2,7 @@
 
 use super::{Container, ContainerError, Meta, Shape, Storage, TEXT, ids, numbers, write_sections};
 use crate::cell::Cell;
+use crate::explicit::ErrorKind;
 use crate::hierarchy::{Sequence, Story};
 use crate::id::VertexId;
 use crate::mesh::Mesh;
@@ -33,6 +34,7 @@ pub fn write_story(
     let Story { mesh, links, sequence } = story;
     let meta = Meta {
         corners: 3,
+        error_kind: ErrorKind::Estimate,
         input_vertices: mesh.vertex_count() as u32,
         input_cells: mesh.cell_count() as u32,
         modifications: sequence.node_count(),
@@ -56,7 +58,7 @@ pub fn write_story(
         bytemuck::cast_slice(&sequence.errors),
         bytemuck::cast_slice(&kept),
     ];
-    write_sections(&SHAPES, &bytes, storage, out)
+    write_sections(&SHAPES, &bytes, (storage, 2), out)
 }
 
 pub(super) fn read(container: &Container<'_>) -> Result<Story, ContainerError> {
@@ -64,6 +66,13 @@ pub(super) fn read(container: &Container<'_>) -> Result<Story, ContainerError> {
         return Err(ContainerError::Kind("an explicit model, not a vertex hierarchy"));
     }
     container.expect(&SHAPES)?;
+    let meta = &container.meta;
+    if meta.corners != 3 {
+        return Err(ContainerError::Corners { found: meta.corners, wanted: 3 });
+    }
+    if meta.error_kind != ErrorKind::Estimate {
+        return Err(ContainerError::Layout("a hierarchy keeps no measured errors".into()));
+    }
     let cells: Vec<[VertexId; 3]> = cells_of(container, b"CELL")?;
     let mesh = Mesh { positions: container.array(b"POSI")?, cells };
     let mut sequence = Sequence::with_input(mesh.vertex_count() as u32);
@@ -75,7 +84,6 @@ pub(super) fn read(container: &Container<'_>) -> Result<Story, ContainerError> {
     sequence.starts = if starts.is_empty() { (0..=sequence.merge_count()).collect() } else { starts };
     let kept = container.array::<u32>(b"KEPT")?;
     sequence.keep(&kept).map_err(|error| ContainerError::Layout(error.to_string()))?;
-    let meta = &container.meta;
     let fits = sequence.node_count() == meta.modifications
         && (mesh.vertex_count(), mesh.cell_count()) == (meta.input_vertices as usize, meta.input_cells as usize);
     if !fits {

@@ -23,19 +23,17 @@ const CHANGES: u32 = 20;
 /// Largest error on the screen along the path.
 const PIXELS: f32 = 1.0;
 
-/// Measures steps and frames of a model, and where samples are asked for its distances from the input. `watch` is told what
-/// comes next, and answers whether to go on; what was left out then is empty.
+/// Measures steps and frames of a model, and where samples are asked for its distances from the input.
 pub fn measure<M: MultiTessellation<3, Bound = Bound>>(
     model: &M,
     input: &Mesh<3>,
     frames: u32,
     samples: usize,
     meter: Meter<'_>,
-    watch: &mut dyn FnMut(&str) -> bool,
 ) -> (Vec<Quality>, Option<Steps>, Option<Frames>) {
-    let steps = (!model.is_empty() && watch("steps")).then(|| best_steps(model, meter));
-    let frames = (frames > 0 && !model.is_empty() && watch("frames")).then(|| follow(model, input, frames, meter));
-    let quality = if samples > 0 && watch("distances") { qualities(model, input, samples) } else { Vec::new() };
+    let steps = (!model.is_empty()).then(|| best_steps(model, meter));
+    let frames = (frames > 0 && !model.is_empty()).then(|| follow(model, input, frames, meter));
+    let quality = if samples > 0 { qualities(model, input, samples) } else { Vec::new() };
     (quality, steps, frames)
 }
 
@@ -91,6 +89,11 @@ fn nanoseconds(of: &[Timed]) -> f64 {
     of.iter().map(|timed| timed.seconds).sum::<f64>() * 1e9 / f64::from(steps.max(1))
 }
 
+/// Nanoseconds of a step by this clock, in seconds: everything refined by rank and coarsened again, checks included.
+pub(crate) fn nanoseconds_a_step<M: MultiTessellation<3>>(model: &M, meter: Meter<'_>) -> f64 {
+    nanoseconds(&all_steps(model, &mut (), meter))
+}
+
 /// Refines everything and coarsens it again, by rank. Steps that a rule refuses are asked for and not counted.
 fn all_steps<M: MultiTessellation<3>>(model: &M, sink: &mut impl Sink<3>, meter: Meter<'_>) -> [Timed; 2] {
     let mut view = model.base_view();
@@ -123,12 +126,12 @@ fn seen_by(camera: &Camera) -> Facing<ScreenError> {
 }
 
 fn follow<M: MultiTessellation<3, Bound = Bound>>(model: &M, input: &Mesh<3>, count: u32, meter: Meter<'_>) -> Frames {
-    let cameras = camera_path(input, count);
+    let cameras = camera_path(input, count + 1);
     let mut state = State::new(model, ());
     let (mut milliseconds, mut steps, mut triangles) = (Vec::new(), 0u64, 0u64);
     // The first frame makes everything; the path begins with the second.
     adapt(model, &seen_by(&cameras[0]), &Limits::NONE, &mut state);
-    for camera in &cameras {
+    for camera in &cameras[1..] {
         state.steps.clear();
         let begun = meter();
         let outcome = adapt(model, &seen_by(camera), &Limits::NONE, &mut state);
@@ -175,14 +178,12 @@ fn two_views<M: MultiTessellation<3, Bound = Bound>>(model: &M, cameras: &[Camer
 }
 
 /// Goes to and fro between two errors whose fronts differ in a hundredth of the nodes.
-fn small_change<M: MultiTessellation<3, Bound = Bound>>(model: &M, meter: Meter<'_>) -> (f64, u32) {
+fn small_change<M: MultiTessellation<3, Bound = Bound>>(model: &M, meter: Meter<'_>) -> (Option<f64>, u32) {
     let mut errors: Vec<f32> = (0..model.len()).map(|m| model.bound(NodeId(m)).error).collect();
     errors.sort_by(|a, b| b.total_cmp(a));
-    let wanted = FRONT.min(model.len().saturating_sub(1)) as usize;
-    let [fewer, more] = [wanted, wanted + wanted / 100].map(|at| {
-        let error_max = errors[at.min(errors.len() - 1)];
-        UniformError { error_max }
-    });
+    // Of a small model a half, so that there is a hundredth more to be had.
+    let wanted = FRONT.min(model.len() / 2) as usize;
+    let [fewer, more] = [wanted, wanted + wanted / 100].map(|at| UniformError { error_max: errors[at] });
     let (mut state, _) = extract(model, &fewer, &Limits::NONE, Strategy::TopDown, ());
     // Once to and fro, so that all memory is there.
     for _ in 0..2 {
@@ -191,13 +192,16 @@ fn small_change<M: MultiTessellation<3, Bound = Bound>>(model: &M, meter: Meter<
         state.steps.clear();
     }
     let front = state.front().len();
+    if extract(model, &more, &Limits::NONE, Strategy::TopDown, ()).0.front().len() == front {
+        return (None, front);
+    }
     let begun = meter();
     for _ in 0..CHANGES / 2 {
         adapt(model, &more, &Limits::NONE, &mut state);
         adapt(model, &fewer, &Limits::NONE, &mut state);
         state.steps.clear();
     }
-    ((meter() - begun) * 1e6 / f64::from(CHANGES), front)
+    (Some((meter() - begun) * 1e6 / f64::from(CHANGES)), front)
 }
 
 fn qualities<M: MultiTessellation<3, Bound = Bound>>(model: &M, input: &Mesh<3>, samples: usize) -> Vec<Quality> {

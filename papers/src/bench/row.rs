@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 pub struct Row {
     /// The model.
     pub model: String,
+    /// Of generated models: what it is a size of.
+    pub shape: Option<String>,
     /// What coarsened it.
     pub operator: String,
     /// What is kept: `cells`, or the scheme of a vertex hierarchy.
@@ -89,8 +91,9 @@ pub struct Frames {
     pub triangles: f64,
     /// Wall seconds of two views one after the other against both at once on two threads.
     pub two_views: f64,
-    /// CPU microseconds of an adaptation that changes a hundredth of a front of some ten thousand nodes, all over the model.
-    pub small_change_us: f64,
+    /// CPU microseconds of an adaptation that changes a hundredth of a front of twenty thousand nodes, or of half of all, all
+    /// over the model; nothing where errors are so alike that no such two fronts can be asked for.
+    pub small_change_us: Option<f64>,
     /// The nodes of that front.
     pub small_change_front: u32,
 }

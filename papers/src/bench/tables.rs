@@ -34,12 +34,12 @@ const COLUMNS: [Column; 27] = [
     column("file MB", 2, |row| Some(row.built.file_bytes as f64 / 1e6)),
     column("write, s", 3, |row| Some(row.built.write_s)),
     column("load, s", 3, |row| Some(row.built.load_s)),
-    column("RMS at 50 %, 1e-5", 2, |row| at(row, 0.5, |q| q.rms)),
-    column("RMS at 10 %, 1e-5", 2, |row| at(row, 0.1, |q| q.rms)),
-    column("RMS at 1 %, 1e-5", 1, |row| at(row, 0.01, |q| q.rms)),
-    column("max at 50 %, 1e-5", 1, |row| at(row, 0.5, |q| q.maximum)),
-    column("max at 10 %, 1e-5", 1, |row| at(row, 0.1, |q| q.maximum)),
-    column("max at 1 %, 1e-5", 0, |row| at(row, 0.01, |q| q.maximum)),
+    column("RMS at 50 %, 1e-5 of the diagonal", 2, |row| at(row, 0.5, |q| q.rms)),
+    column("RMS at 10 %, 1e-5 of the diagonal", 2, |row| at(row, 0.1, |q| q.rms)),
+    column("RMS at 1 %, 1e-5 of the diagonal", 1, |row| at(row, 0.01, |q| q.rms)),
+    column("max at 50 %, 1e-5 of the diagonal", 1, |row| at(row, 0.5, |q| q.maximum)),
+    column("max at 10 %, 1e-5 of the diagonal", 1, |row| at(row, 0.1, |q| q.maximum)),
+    column("max at 1 %, 1e-5 of the diagonal", 0, |row| at(row, 0.01, |q| q.maximum)),
     column("million refine steps a s", 2, |row| row.steps.as_ref().map(|steps| steps.refine_per_s / 1e6)),
     column("million coarsen steps a s", 2, |row| row.steps.as_ref().map(|steps| steps.coarsen_per_s / 1e6)),
     column("ns a step", 0, |row| row.steps.as_ref().map(|steps| steps.ns)),
@@ -49,7 +49,7 @@ const COLUMNS: [Column; 27] = [
     column("steps a frame", 0, |row| row.frames.as_ref().map(|frames| frames.steps)),
     column("triangles a frame", 0, |row| row.frames.as_ref().map(|frames| frames.triangles)),
     column("two views at once, times faster", 2, |row| row.frames.as_ref().map(|frames| frames.two_views)),
-    column("1 % changed, us", 0, |row| row.frames.as_ref().map(|frames| frames.small_change_us)),
+    column("1 % changed, us", 0, |row| row.frames.as_ref().and_then(|frames| frames.small_change_us)),
     column("front of that, nodes", 0, |row| row.frames.as_ref().map(|frames| f64::from(frames.small_change_front))),
 ];
 
@@ -86,7 +86,7 @@ fn names(row: &Row) -> [String; 5] {
         threads => format!("{threads} threads"),
     };
     let by = match row.built.region_vertices {
-        0 => format!("whole, {threads}"),
+        0 => "whole".to_owned(),
         vertices => format!("regions of {vertices}, {threads}"),
     };
     [row.model.clone(), row.triangles.to_string(), row.operator.clone(), row.dependency.clone(), by]
@@ -119,10 +119,12 @@ pub fn markdown(rows: &[Row]) -> String {
 
 /// Every run as a row of CSV, with a header.
 pub fn csv(rows: &[Row]) -> String {
-    let headings = NAMES.into_iter().chain(COLUMNS.iter().map(|column| column.heading));
+    let headings = ["run", "vertices"].into_iter().chain(NAMES).chain(COLUMNS.iter().map(|column| column.heading));
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     let mut text = headings.map(quoted).collect::<Vec<_>>().join(",") + "\n";
-    for row in rows {
+    for (i, row) in rows.iter().enumerate() {
+        let run = rows[..i].iter().filter(|other| other.is_again(row)).count() + 1;
+        text += &format!("{run},{},", row.vertices);
         let values = COLUMNS.iter().map(|column| (column.value)(row).map_or(String::new(), |value| value.to_string()));
         text += &names(row).iter().map(|name| quoted(name)).chain(values).collect::<Vec<_>>().join(",");
         text.push('\n');
@@ -137,8 +139,8 @@ const PLOTS: [(&str, &str, Value); 6] = [
     ("Loading", "wall seconds", |row| Some(row.built.load_s)),
     ("Bytes of the model", "bytes", |row| Some(row.built.bytes as f64)),
     ("A frame", "milliseconds, median", |row| row.frames.as_ref().map(|frames| frames.median_ms)),
-    ("Adapting, a hundredth of the same front changed", "microseconds", |row| {
-        row.frames.as_ref().map(|frames| frames.small_change_us)
+    ("Adapting, a hundredth of the front changed", "microseconds", |row| {
+        row.frames.as_ref().and_then(|frames| frames.small_change_us)
     }),
 ];
 
@@ -147,11 +149,16 @@ pub fn page(rows: &[Row], machine: &str, notes: &[String]) -> String {
     let mut page = Page::new("Benchmark");
     page.paragraph(machine);
     page.paragraph(
-        "A row is one operator on one model, kept in one form and measured in a process of its own; of several runs the \
-         middle one is told, and the least and the most behind it. Distances are relative to the diagonal of the \
-         bounding box. Bytes of a hierarchy are without its input. Steps: everything refined and coarsened again, checks \
-         included. Frames: once around the model, one pixel of error, culled by frustum and back faces, refined \
-         incrementally.",
+        "A row is one operator on one model, kept as all cells or as a vertex hierarchy under a scheme, and measured in a \
+         process of its own; of several runs the middle figure is told, each column by itself, and the least and the most \
+         behind it. Building is coarsening and all that follows from it, up to a model that can be asked; the input is in \
+         the peak of memory, and some ten megabytes of the program itself. Bytes a vertex are those in memory, of a \
+         hierarchy without its input. Steps: everything refined and coarsened again, checks included, as nobody or as \
+         somebody hears of the cells; a step of all cells of a fan-merge is a whole fan. Frames: once around the model, one \
+         pixel of error, culled by frustum and back faces, refined incrementally; two views at once, against one after the \
+         other. A hundredth changed: to and fro between two errors everywhere whose fronts of some twenty thousand nodes \
+         differ in a hundredth of them, with the look at all of the front that this takes. Figures of small models are short \
+         times on what may be a busy machine.",
     );
     if !notes.is_empty() {
         page.list(notes);
@@ -165,14 +172,14 @@ pub fn page(rows: &[Row], machine: &str, notes: &[String]) -> String {
         page.table(&table(caption, columns, rows));
     }
     let series = lines_by_size(rows);
-    if series.iter().any(|(_, rows)| rows.len() > 1) {
+    if series.iter().any(|(_, sizes)| sizes.len() > 1) {
         page.heading(2, "Against size");
         for (title, unit, value) in PLOTS {
             let lines = Lines {
                 title: title.into(),
                 x: Axis::logarithmic("triangles of the input"),
                 y: Axis::logarithmic(unit),
-                series: series.iter().map(|(name, rows)| line(name, rows, value)).collect(),
+                series: series.iter().map(|(name, sizes)| line(name, sizes, value)).collect(),
             };
             page.figure_svg(&lines.svg(), title);
         }
@@ -189,24 +196,31 @@ fn table(caption: &str, columns: &[Column], rows: &[Row]) -> Table {
     Table { caption: caption.into(), columns: headings.collect(), rows: told.collect() }
 }
 
-/// Rows that differ in size alone, by the model's name without its size.
-fn lines_by_size(rows: &[Row]) -> Vec<(String, Vec<&Row>)> {
-    let mut lines: Vec<(String, Vec<&Row>)> = Vec::new();
-    for row in rows {
-        let kind = row.model.trim_end_matches(|c: char| c.is_ascii_digit() || c == '-');
-        let name = format!("{kind} {} {}", row.operator, row.dependency);
+/// Runs of generated models that differ in size alone, by what they share.
+fn lines_by_size(rows: &[Row]) -> Vec<(String, Vec<Vec<&Row>>)> {
+    let mut lines: Vec<(String, Vec<Vec<&Row>>)> = Vec::new();
+    for runs in again(rows) {
+        let row = runs[0];
+        let Some(shape) = &row.shape else { continue };
+        let [.., by] = names(row);
+        let name = format!("{shape}, {}, {}, {by}", row.operator, row.dependency);
         match lines.iter_mut().find(|(other, _)| *other == name) {
-            Some((_, rows)) => rows.push(row),
-            None => lines.push((name, vec![row])),
+            Some((_, sizes)) => sizes.push(runs),
+            None => lines.push((name, vec![runs])),
         }
     }
-    lines.iter_mut().for_each(|(_, rows)| rows.sort_by_key(|row| row.triangles));
+    lines.iter_mut().for_each(|(_, sizes)| sizes.sort_by_key(|runs| runs[0].triangles));
     lines
 }
 
-fn line(name: &str, rows: &[&Row], value: Value) -> Series {
-    let points = rows.iter().filter_map(|row| Some([row.triangles as f64, value(row)?]));
-    Series { name: name.into(), points: points.collect() }
+/// The middle run of each size.
+fn line(name: &str, sizes: &[Vec<&Row>], value: Value) -> Series {
+    let middle = |runs: &Vec<&Row>| {
+        let mut values: Vec<f64> = runs.iter().filter_map(|row| value(row)).collect();
+        values.sort_by(f64::total_cmp);
+        Some([runs[0].triangles as f64, *values.get(values.len() / 2)?])
+    };
+    Series { name: name.into(), points: sizes.iter().filter_map(middle).collect() }
 }
 
 #[cfg(test)]
@@ -218,7 +232,17 @@ mod tests {
         let built = Built { wall_s: cpu_s, cpu_s, bytes: 100 * triangles, ..Built::default() };
         let names = ["edge-collapse", "cells"].map(str::to_owned);
         let [operator, dependency] = names;
-        Row { model: model.into(), operator, dependency, vertices: triangles / 2, triangles, built, ..Row::default() }
+        let shape = model.split_once('-').map(|(shape, _)| shape.to_owned());
+        Row {
+            model: model.into(),
+            shape,
+            operator,
+            dependency,
+            vertices: triangles / 2,
+            triangles,
+            built,
+            ..Row::default()
+        }
     }
 
     #[test]
@@ -234,11 +258,14 @@ mod tests {
 
     #[test]
     fn sizes_of_one_model_are_one_line() {
-        let rows = [row("a-4000", 4000, 2.0), row("a-1000", 1000, 0.5)];
+        let rows =
+            [row("a-4000", 4000, 2.0), row("a-1000", 1000, 9.0), row("a-1000", 1000, 0.1), row("a-1000", 1000, 0.5)];
+        let files = [row("scan1", 7, 1.0), row("scan2", 8, 1.0)];
+        assert!(lines_by_size(&files).is_empty(), "files are no sizes of one thing");
         let lines = lines_by_size(&rows);
         assert_eq!(lines.len(), 1);
         assert_eq!(line("a", &lines[0].1, |row| Some(row.built.cpu_s)).points, [[1000.0, 0.5], [4000.0, 2.0]]);
         assert!(page(&rows, "here", &[]).contains("Against size"));
-        assert!(!page(&rows[..1], "here", &[]).contains("Against size"));
+        assert!(!page(&rows[1..], "here", &[]).contains("Against size"), "three runs of one size");
     }
 }
