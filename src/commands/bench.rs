@@ -20,13 +20,14 @@ use papers::study::DependencyKind;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
+use std::time::Duration;
 
 #[derive(Args, Clone)]
 pub struct Bench {
     /// Meshes to measure; without any, generated ones of the sizes of --triangles
     models: Vec<PathBuf>,
     /// About how many triangles generated models have
-    #[arg(long, value_name = "N,M", value_delimiter = ',', default_values_t = [20_000, 200_000])]
+    #[arg(long, value_name = "N,M", value_delimiter = ',', default_values_t = [20_000, 200_000], value_parser = clap::value_parser!(u32).range(128..=1_000_000_000))]
     triangles: Vec<u32>,
     /// Generated models: terrain, genus-2, or all
     #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = "all")]
@@ -50,8 +51,8 @@ pub struct Bench {
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     frames: u32,
     /// Samples of each surface where distances are measured, 0 for none; not for models of more than two million triangles
-    #[arg(long, value_name = "N", default_value_t = 20_000)]
-    samples: usize,
+    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(0..=10_000_000))]
+    samples: u32,
     /// Folder of the report
     #[arg(short, long, value_name = "DIR", default_value = "bench")]
     output: PathBuf,
@@ -65,6 +66,8 @@ pub struct Bench {
 
 const OPERATORS: [&str; 4] = ["edge-collapse", "half-edge-collapse", "edge-collapse/lindstrom-turk", "fan-merge"];
 const SHAPES: [&str; 2] = ["terrain", "genus-2"];
+/// How often to look whether a row has been measured.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
 /// Distances from larger models take more memory than building them.
 const MEASURED_MAX: usize = 2_000_000;
 
@@ -129,12 +132,19 @@ impl Bench {
             print_json(&serde_json::to_value(row).map_err(|error| CommandError::Other(error.to_string()))?);
             return Ok(ExitCode::SUCCESS);
         }
-        files::make_folder(&self.output)?;
+        let new_folder = files::make_folder(&self.output)?;
         files::check_writable(&self.output)?;
-        let (rows, notes) = self.all_rows(&tasks)?;
-        if rows.is_empty() {
-            return Err(CommandError::Other(format!("nothing was measured: {}", notes.join("; "))));
+        let measured = self.all_rows(&tasks).and_then(|(rows, notes)| match (rows.is_empty(), notes.as_slice()) {
+            (true, [first, others @ ..]) => {
+                let more = if others.is_empty() { String::new() } else { format!("; and {} rows more", others.len()) };
+                Err(CommandError::Other(format!("nothing was measured: {first}{more}")))
+            }
+            _ => Ok((rows, notes)),
+        });
+        if measured.is_err() && new_folder {
+            files::remove_empty_folder(&self.output);
         }
+        let (rows, notes) = measured?;
         self.write(&rows, &notes)?;
         if self.json {
             print_json(&json!({ "made": made_by(), "rows": rows, "notes": notes }));
@@ -216,8 +226,15 @@ impl Bench {
             }
         }
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let child = command.spawn().map_err(|error| other(&error))?;
+        let mut child = command.spawn().map_err(|error| other(&error))?;
         let file = self.row_file(child.id());
+        // What a row prints fits into a pipe, so it can be read when the process has ended.
+        while child.try_wait().map_err(|error| other(&error))?.is_none() {
+            if interrupted() {
+                _ = child.kill();
+            }
+            std::thread::sleep(LOOK_EVERY);
+        }
         let done = child.wait_with_output();
         // Whatever became of the process, what it wrote is not to stay.
         files::remove(&file);
@@ -340,7 +357,7 @@ type Measured = (Vec<bench::Quality>, Option<bench::Steps>, Option<bench::Frames
 impl Measure<'_> {
     fn on<M: MultiTessellation<3, Bound = Bound>>(self, model: &M) -> Measured {
         let clock = Clock::start();
-        let samples = if self.input.cell_count() > MEASURED_MAX { 0 } else { self.bench.samples };
+        let samples = if self.input.cell_count() > MEASURED_MAX { 0 } else { self.bench.samples as usize };
         bench::measure(model, self.input, self.bench.frames, samples, &|| clock.cpu())
     }
 }

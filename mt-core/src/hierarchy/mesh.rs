@@ -80,8 +80,22 @@ impl VertexMesh {
             return self.above(replay, leaf);
         }
         let rank = replay.rank(leaf);
-        let found = near.iter().flat_map(|&v| self.ring(v)).find(|&w| replay.span(w).contains(rank));
-        found.unwrap_or_else(|| self.above(replay, leaf))
+        near.iter().find_map(|&v| self.neighbour_above(replay, rank, v)).unwrap_or_else(|| self.above(replay, leaf))
+    }
+
+    /// The neighbour of `v` across a triangle under which the leaf of this rank is. Around an inner vertex each neighbour
+    /// follows it in one triangle, so the other corners are asked only where that finds none.
+    #[inline]
+    fn neighbour_above(&self, replay: &Replay, rank: u32, v: VertexId) -> Option<VertexId> {
+        for corner in [1, 2] {
+            for (slot, i) in self.faces.star(v) {
+                let w = self.faces.cell(slot)[(i + corner) % 3];
+                if replay.span(w).contains(rank) {
+                    return Some(w);
+                }
+            }
+        }
+        None
     }
 
     #[inline]
