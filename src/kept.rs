@@ -6,7 +6,7 @@ use crate::files::FileError;
 use crate::progress::spinning;
 use mt_core::analysis::Ended;
 use mt_core::container::{self, Meta, Storage};
-use mt_core::hierarchy::{Dependency, HierarchyError, Story};
+use mt_core::hierarchy::{Dependency, HierarchyError, Story, grid_step};
 use mt_core::{ErrorKind, Explicit, Hierarchy, Mesh, MultiTessellation, Recorder, Sequence, VertexId, generate};
 use operators::order::{Scheme, Visit};
 use std::io::{self, Write};
@@ -23,6 +23,7 @@ pub enum Kept {
 
 /// What there is to tell of a hierarchy.
 pub struct MergeFacts {
+    grid_step: Option<f32>,
     base: usize,
     bytes: usize,
 }
@@ -37,13 +38,14 @@ impl Kept {
         Ok((Self::Cells(Box::new(model.map_err(|error| explain(path, error.into()))?)), ended))
     }
 
-    /// Coarsens the mesh of this file and keeps the merges, once it is sure that a hierarchy under the scheme follows; with
+    /// Coarsens the mesh of this file and keeps the merges, on a grid of so many bits if that is wanted, once it is sure that a hierarchy under the scheme follows; with
     /// the input numbered as steps find it fastest.
     pub fn merges(
         path: &Path,
         mesh: Mesh<3>,
         coarsening: &Coarsening,
         scheme: Scheme,
+        grid_bits: Option<u32>,
     ) -> Result<(Self, Ended), CommandError> {
         coarsening.check_memory(path, &mesh, false)?;
         let links = coarsening.operator.links(&mesh);
@@ -55,12 +57,17 @@ impl Kept {
                 links: vec![[0, 1].map(VertexId)],
                 sequence: Sequence::with_input(3),
             };
-            ordered(edge, scheme).map_err(|error| wrong(&error))?;
+            ordered(edge, scheme, None).map_err(|error| wrong(&error))?;
         }
+        let step = grid_bits.map(|bits| {
+            let none = "the mesh has no extent, or is too far from the origin, for a grid";
+            grid_step(&mesh.positions, bits).ok_or_else(|| wrong(&none))
+        });
+        let step = step.transpose()?;
         let mut sequence = Sequence::new(&mesh);
         let ended = coarsening.run(path, &mesh, &mut sequence)?;
         let story = Story { mesh, links, sequence };
-        let (story, facts) = spinning("replaying", || ordered(story, scheme)).map_err(|error| wrong(&error))?;
+        let (story, facts) = spinning("replaying", || ordered(story, scheme, step)).map_err(|error| wrong(&error))?;
         Ok((Self::Merges { story, scheme, facts }, ended))
     }
 
@@ -96,6 +103,14 @@ impl Kept {
         }
     }
 
+    /// The step of the grid that it is on.
+    pub fn grid_step(&self) -> Option<f32> {
+        match self {
+            Self::Cells(_) => None,
+            Self::Merges { facts, .. } => facts.grid_step,
+        }
+    }
+
     /// What the errors promise.
     pub fn error_kind(&self) -> ErrorKind {
         match self {
@@ -106,10 +121,15 @@ impl Kept {
 }
 
 /// The story numbered for speed, and what there is to tell of its hierarchy.
-fn ordered(story: Story, scheme: Scheme) -> Result<(Box<Story>, MergeFacts), HierarchyError> {
+fn ordered(story: Story, scheme: Scheme, grid_step: Option<f32>) -> Result<(Box<Story>, MergeFacts), HierarchyError> {
+    let story = match grid_step {
+        Some(step) => story.on_grid(step),
+        None => story,
+    };
     let replay = story.replay()?;
     let numbering = replay.numbering();
     let facts = scheme.visit(&Arc::new(replay.renumbered(&numbering)), Count)?;
+    let facts = MergeFacts { grid_step, ..facts };
     Ok((Box::new(story.renumbered(&numbering)), facts))
 }
 
@@ -119,6 +139,6 @@ struct Count;
 impl Visit for Count {
     type Output = MergeFacts;
     fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> MergeFacts {
-        MergeFacts { base: model.cell_count(&model.base()) as usize, bytes: model.bytes() }
+        MergeFacts { grid_step: None, base: model.cell_count(&model.base()) as usize, bytes: model.bytes() }
     }
 }

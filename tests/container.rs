@@ -2,7 +2,7 @@
 
 use mt_core::analysis::{Options, analyse};
 use mt_core::container::{self, Archive, Container, ContainerError, Meta, Storage};
-use mt_core::hierarchy::Story;
+use mt_core::hierarchy::{Story, grid_step};
 use mt_core::{Explicit, Mesh, MultiTessellation, Sequence, generate};
 use mt_tests::model_of;
 use operators::EdgeCollapse;
@@ -129,6 +129,28 @@ fn stories_come_back_whatever_tells_them() {
     }
     let explicit = small();
     assert!(matches!(container::open(&explicit).and_then(Container::story), Err(ContainerError::Kind(_))));
+}
+
+#[test]
+fn stories_on_a_grid_come_back_to_the_bit() {
+    let mesh = generate::bumpy_sphere(3, 0.1, 3);
+    for name in ["edge-collapse", "half-edge-collapse", "fan-merge"] {
+        let story = story(&mesh, &name.parse().unwrap());
+        let step = grid_step(&mesh.positions, 12).unwrap();
+        let meta = Meta { grid_step: Some(step), ..Meta::default() };
+        let write = |story: &Story, storage| {
+            let mut bytes = Vec::new();
+            container::write_story(story, "one-ring", &meta, storage, &mut bytes).map(|()| bytes)
+        };
+        assert!(write(&story, Storage::Plain).is_err(), "its vertices are not on the grid");
+        let snapped = story.on_grid(step);
+        assert!(snapped.replay().is_ok() && snapped != story && snapped.on_grid(step) == snapped);
+        for storage in [Storage::Plain, Storage::Packed] {
+            let bytes = write(&snapped, storage).unwrap();
+            let (again, meta) = container::open(&bytes).and_then(Container::story).unwrap();
+            assert!(again == snapped && meta.grid_step == Some(step), "{name} {storage:?}");
+        }
+    }
 }
 
 #[test]

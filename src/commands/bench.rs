@@ -263,7 +263,7 @@ impl Bench {
         let clock = Clock::start();
         let kept = match task.dependency {
             DependencyKind::Cells => Kept::cells(path, &mesh, &coarsening)?.0,
-            DependencyKind::Scheme(scheme) => Kept::merges(path, mesh, &coarsening, scheme)?.0,
+            DependencyKind::Scheme(scheme) => Kept::merges(path, mesh, &coarsening, scheme, None)?.0,
         };
         let mut built = Built {
             threads: task.threads as usize,

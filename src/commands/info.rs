@@ -95,6 +95,7 @@ impl Visit for Facts<'_> {
             "source": meta.source,
             "operator": meta.operator,
             "dependency": self.scheme.name(),
+            "grid_step": meta.grid_step,
             "corners": 3,
             "vertices_in": replay.leaf_count(),
             "cells_in": replay.cells().len(),
@@ -212,6 +213,9 @@ fn text(facts: &Value, meta: &Meta) -> Vec<String> {
         ),
         format!("refused plans  {}", if refusals.is_empty() { "none".into() } else { refusals.join(", ") }),
     ];
+    lines.extend(
+        meta.grid_step.map(|step| format!("grid           {step} model units a step: vertices were moved onto it")),
+    );
     lines.extend(meta.load_report.iter().map(|line| format!("on loading     {line}")));
     lines
 }

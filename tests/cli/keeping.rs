@@ -73,6 +73,35 @@ fn a_packed_model_is_smaller_and_gives_the_same() {
 }
 
 #[test]
+fn a_model_on_a_grid_is_smaller_and_near() {
+    let room = room();
+    room.good("build ball.ply -o packed.mt --packed --dependency dual-piece");
+    let told = room.good("build ball.ply -o grid.mt --packed --dependency dual-piece --quantise 12 --json").json();
+    let step = told["grid_step"].as_f64().unwrap();
+    assert!(step.log2().fract() == 0.0 && step < 2.0 / 2048.0, "{step}");
+    assert!(room.read("grid.mt").len() * 4 < room.read("packed.mt").len() * 3);
+    // Without packing it is a file like any other, with whole numbers in it.
+    room.good("build ball.ply -o plain.mt --dependency dual-piece --quantise 12");
+    for name in ["packed", "grid", "plain"] {
+        room.good(&format!("extract {name}.mt --reference -o {name}.ply"));
+    }
+    assert_eq!(room.read("plain.ply"), room.read("grid.ply"));
+    let [exact, near] = ["packed.ply", "grid.ply"].map(|name| room.mesh(name));
+    assert_eq!((exact.cells == near.cells, exact.vertex_count()), (true, near.vertex_count()));
+    let moved = exact.positions.iter().zip(&near.positions).map(|(p, q)| (*p - *q).abs().max_element());
+    assert!(f64::from(moved.fold(0.0, f32::max)) <= step / 2.0);
+    room.good("verify grid.mt --fronts 10");
+    assert!(room.good("info grid.mt").out.contains("model units a step"));
+    assert_eq!(room.run("build ball.ply -o x.mt --quantise 12").code, Some(2), "a grid is for hierarchies");
+    assert_eq!(room.run("build ball.ply -o x.mt --dependency dual-piece --quantise 3").code, Some(2));
+    room.put(
+        "far.ply",
+        &mt_core::Mesh { positions: ball_mesh().positions.iter().map(|p| *p + 1e7).collect(), ..ball_mesh() },
+    );
+    refused_at_last(&room, "build far.ply --no-weld -o x.mt --dependency dual-piece --quantise 24", "far.ply");
+}
+
+#[test]
 fn the_head_is_told_without_the_rest() {
     let room = room();
     room.good("build ball.ply -o ball.mt --packed");

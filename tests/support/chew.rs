@@ -246,6 +246,14 @@ pub fn seeds() -> Vec<(&'static str, Vec<u8>)> {
             seeds.push(("container", bytes));
         }
     }
+    let (mesh, mut sequence) = (generate::octahedron(), Sequence::with_input(6));
+    let [a, b, _] = mesh.cells[0];
+    sequence.push(a, [b], [0.5], mesh.positions[a.index()], true);
+    let story = Story { mesh, links: Vec::new(), sequence }.on_grid(0.25);
+    let mut bytes = Vec::new();
+    let meta = Meta { grid_step: Some(0.25), ..Meta::default() };
+    container::write_story(&story, "one-ring", &meta, Storage::Packed, &mut bytes).expect("memory takes it");
+    seeds.push(("container", bytes));
     let model = crate::model_of(&generate::octahedron(), &operators::EdgeCollapse::FULL);
     let mut log = Log::new(model.len());
     log.push(&(0..model.len()).rev().map(|m| Step::refine(NodeId(m))).collect::<Vec<_>>());

@@ -41,6 +41,7 @@ pub fn write_as<const N: usize>(
         modifications: model.len(),
         error_kind: model.error_kind(),
         dependency: None,
+        grid_step: None,
         ..meta.clone()
     };
     let json = serde_json::to_vec(&meta)?;

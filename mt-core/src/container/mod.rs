@@ -16,6 +16,9 @@
 //! sequence of its merges ([`write_story`]; the command numbers the input anew, see [`crate::Replay::numbering`]). What follows from these is not stored: orders follow from cells, a replay from a
 //! story. Loading copies the arrays once and checks all of them.
 //!
+//! Positions of a hierarchy on a grid are told in whole steps: of the input from one vertex to the next, of a merged vertex from
+//! the centre of its merge, which is nearby.
+//!
 //! Each section is packed by itself or not at all ([`Storage`]), so any of them can be had without the others ([`Archive`]).
 
 mod archive;
@@ -32,7 +35,7 @@ use crate::explicit::{ErrorKind, Explicit, Invalid};
 use crate::hierarchy::Story;
 use bytemuck::{Pod, Zeroable};
 use layout::{Entry, Section};
-use pack::Packing;
+use pack::{Filter, Packing};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -71,6 +74,9 @@ pub struct Meta {
     /// Of a vertex hierarchy: the dependency scheme it is to be read under. Nothing for explicit models.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dependency: Option<String>,
+    /// Of a vertex hierarchy on a grid: its step, in model units (see [`crate::hierarchy::grid_step`]).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grid_step: Option<f32>,
     /// Name of the input.
     pub source: String,
     /// Why analysis ended.
@@ -205,12 +211,17 @@ struct Shape {
 
 /// Records of so many words, of which those that follow each other are alike.
 const fn ids(name: &[u8; 4], columns: u8) -> Shape {
-    Shape { name: *name, packing: Packing::Words { columns, differences: true } }
+    Shape { name: *name, packing: Packing::Words { columns, filter: Filter::Differences } }
 }
 
 /// Records of so many words that share no more than their upper bytes.
 const fn numbers(name: &[u8; 4], columns: u8) -> Shape {
-    Shape { name: *name, packing: Packing::Words { columns, differences: false } }
+    Shape { name: *name, packing: Packing::Words { columns, filter: Filter::None } }
+}
+
+/// Records of so many small whole numbers of either sign.
+const fn steps(name: &[u8; 4], columns: u8) -> Shape {
+    Shape { name: *name, packing: Packing::Words { columns, filter: Filter::Signed } }
 }
 
 const TEXT: Shape = Shape { name: *b"META", packing: Packing::Text };

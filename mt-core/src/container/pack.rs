@@ -15,7 +15,38 @@ pub(super) enum Packing {
     /// Through Zstandard as it is: text.
     Text,
     /// In columns of words; so many a record.
-    Words { columns: u8, differences: bool },
+    Words { columns: u8, filter: Filter },
+}
+
+/// What is told of a word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Filter {
+    /// Itself.
+    None,
+    /// What it adds to the word above it.
+    Differences,
+    /// Itself as a signed number, so that small ones of either sign have small bytes.
+    Signed,
+}
+
+impl Filter {
+    const ALL: [Self; 3] = [Self::None, Self::Differences, Self::Signed];
+
+    fn tell(self, word: u32, before: u32) -> u32 {
+        match self {
+            Self::None => word,
+            Self::Differences => zigzag(word.wrapping_sub(before)),
+            Self::Signed => zigzag(word),
+        }
+    }
+
+    fn hear(self, told: u32, before: u32) -> u32 {
+        match self {
+            Self::None => told,
+            Self::Differences => before.wrapping_add(unzigzag(told)),
+            Self::Signed => unzigzag(told),
+        }
+    }
 }
 
 impl Packing {
@@ -24,7 +55,7 @@ impl Packing {
         match self {
             Self::Plain => [0, 0],
             Self::Text => [1, 0],
-            Self::Words { columns, differences } => [if differences { 3 } else { 2 }, columns],
+            Self::Words { columns, filter } => [2 + filter as u8, columns],
         }
     }
 
@@ -32,7 +63,10 @@ impl Packing {
         match bytes {
             [0, 0] => Some(Self::Plain),
             [1, 0] => Some(Self::Text),
-            [kind @ (2 | 3), columns] if columns > 0 => Some(Self::Words { columns, differences: kind == 3 }),
+            [kind, columns] if columns > 0 => {
+                let filter = usize::from(kind).checked_sub(2).and_then(|filter| Filter::ALL.get(filter));
+                filter.map(|&filter| Self::Words { columns, filter })
+            }
             _ => None,
         }
     }
@@ -46,9 +80,7 @@ pub(super) fn pack(bytes: &[u8], packing: Packing) -> io::Result<Vec<u8>> {
     match packing {
         Packing::Plain => Ok(bytes.to_vec()),
         Packing::Text => zstd::bulk::compress(bytes, LEVEL),
-        Packing::Words { columns, differences } => {
-            zstd::bulk::compress(&to_planes(bytes, columns.into(), differences), LEVEL)
-        }
+        Packing::Words { columns, filter } => zstd::bulk::compress(&to_planes(bytes, columns.into(), filter), LEVEL),
     }
 }
 
@@ -63,7 +95,7 @@ pub(super) fn unpack(stored: &[u8], packing: Packing, length: usize) -> Option<V
         return None;
     }
     match packing {
-        Packing::Words { columns, differences } => from_planes(&bytes, columns.into(), differences),
+        Packing::Words { columns, filter } => from_planes(&bytes, columns.into(), filter),
         _ => Some(bytes),
     }
 }
@@ -80,7 +112,7 @@ fn inflate(stored: &[u8], length: usize) -> Option<Vec<u8>> {
 }
 
 /// Byte `b` of word `c` of all records, one after the other, for each `c` and `b`.
-fn to_planes(bytes: &[u8], columns: usize, differences: bool) -> Vec<u8> {
+fn to_planes(bytes: &[u8], columns: usize, filter: Filter) -> Vec<u8> {
     let records = bytes.len() / (4 * columns);
     debug_assert_eq!(records * 4 * columns, bytes.len(), "a section of whole records");
     let mut planes = vec![0; bytes.len()];
@@ -88,7 +120,7 @@ fn to_planes(bytes: &[u8], columns: usize, differences: bool) -> Vec<u8> {
         let mut before = 0u32;
         for r in 0..records {
             let word = word_at(bytes, r * columns + c);
-            let told = if differences { zigzag(word.wrapping_sub(before)) } else { word };
+            let told = filter.tell(word, before);
             before = word;
             for (b, byte) in told.to_le_bytes().into_iter().enumerate() {
                 planes[(4 * c + b) * records + r] = byte;
@@ -99,7 +131,7 @@ fn to_planes(bytes: &[u8], columns: usize, differences: bool) -> Vec<u8> {
 }
 
 /// The records of these planes; `None` where they are no whole records.
-fn from_planes(planes: &[u8], columns: usize, differences: bool) -> Option<Vec<u8>> {
+fn from_planes(planes: &[u8], columns: usize, filter: Filter) -> Option<Vec<u8>> {
     if !planes.len().is_multiple_of(4 * columns) {
         return None;
     }
@@ -109,7 +141,7 @@ fn from_planes(planes: &[u8], columns: usize, differences: bool) -> Option<Vec<u
         let mut before = 0u32;
         for r in 0..records {
             let told = u32::from_le_bytes([0, 1, 2, 3].map(|b| planes[(4 * c + b) * records + r]));
-            let word = if differences { before.wrapping_add(unzigzag(told)) } else { told };
+            let word = filter.hear(told, before);
             before = word;
             let at = 4 * (r * columns + c);
             bytes[at..at + 4].copy_from_slice(&word.to_le_bytes());
@@ -138,10 +170,10 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_packed_comes_back(words in prop::collection::vec(any::<u32>(), 0..200), columns in 1u8..7, differences: bool) {
+        fn what_is_packed_comes_back(words in prop::collection::vec(any::<u32>(), 0..200), columns in 1u8..7, filter in prop::sample::select(Filter::ALL.to_vec())) {
             let whole = words.len() / columns as usize * columns as usize;
             let bytes: Vec<u8> = words[..whole].iter().flat_map(|word| word.to_le_bytes()).collect();
-            for packing in [Packing::Plain, Packing::Text, Packing::Words { columns, differences }] {
+            for packing in [Packing::Plain, Packing::Text, Packing::Words { columns, filter }] {
                 prop_assert_eq!(Packing::from_bytes(packing.to_bytes()), Some(packing));
                 let stored = pack(&bytes, packing).unwrap();
                 let again = unpack(&stored, packing, bytes.len());
@@ -159,8 +191,8 @@ mod tests {
         let ids: Vec<u8> = (0..100_000u32).flat_map(|i| (3 * i + i % 2).to_le_bytes()).collect();
         let length = |packing| pack(&ids, packing).unwrap().len();
         let plain = length(Packing::Text);
-        assert!(10 * length(Packing::Words { columns: 1, differences: true }) < ids.len());
-        assert!(length(Packing::Words { columns: 1, differences: true }) < plain / 4);
+        assert!(10 * length(Packing::Words { columns: 1, filter: Filter::Differences }) < ids.len());
+        assert!(length(Packing::Words { columns: 1, filter: Filter::Differences }) < plain / 4);
     }
 
     #[test]

@@ -19,6 +19,7 @@
 mod build;
 mod codec;
 mod dependency;
+mod grid;
 mod mesh;
 mod numbering;
 mod part;
@@ -31,6 +32,7 @@ mod tests;
 pub use build::{HierarchyError, InvalidSequence};
 pub use codec::SequenceError;
 pub use dependency::{Dependency, Hierarchy};
+pub use grid::{grid_step, place_at, steps_to};
 pub use mesh::VertexMesh;
 pub use numbering::Numbering;
 pub use part::Story;
