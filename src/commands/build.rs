@@ -72,7 +72,7 @@ pub struct Build {
     #[arg(long, value_name = "NAME", conflicts_with = "history")]
     dependency: Option<Scheme>,
     /// Put all vertices on a grid of so many bits along the longest side, 8 to 24, and tell their places in whole steps; with
-    /// --packed a file of half the size. The finest mesh is then the input moved by at most half a step along each axis
+    /// --packed a file of two thirds of the size. The finest mesh is then the input moved by at most half a step along each axis
     #[arg(long, value_name = "BITS", requires = "dependency", value_parser = clap::value_parser!(u32).range(8..=24))]
     quantise: Option<u32>,
     /// Pack the file without loss: about half the bytes
