@@ -73,17 +73,18 @@ pub fn parse_bytes(text: &str) -> Result<u64, String> {
 /// What a process has before it works on anything.
 const AT_REST: u64 = 16 << 20;
 
-/// What loading a mesh is expected to take: the file, what it is read into, and the mesh with the tables of its repair.
+/// What loading a mesh is expected to take, guessed rather too high: the file, what it is read into, and the mesh with the tables of its repair.
 pub fn of_loading_mesh(file_bytes: u64) -> u64 {
     file_bytes.saturating_mul(6).saturating_add(AT_REST)
 }
 
-/// What loading a model is expected to take: the file, its arrays, and what follows from these.
+/// What loading a model is expected to take, guessed rather too high: the file, its arrays, and what follows from these.
 pub fn of_loading_model(file_bytes: u64, unpacked: u64) -> u64 {
     unpacked.saturating_mul(3).saturating_add(file_bytes).saturating_add(AT_REST)
 }
 
-/// What coarsening takes at most, the input included, as measured from 80,000 to 16 million triangles (`mtess bench`).
+/// What coarsening takes at most, the input included, as measured (`mtess bench`): by regions from 80,000 to 16
+/// million triangles, as a whole on the armadillo alone.
 pub fn of_coarsening(triangles: usize, by_regions: bool, keeps_cells: bool) -> u64 {
     // Regions that are worked on at a time take the same whatever the mesh.
     let (at_rest, each) = match (by_regions, keeps_cells) {

@@ -71,17 +71,6 @@ impl AnyOperator {
         matches!(self, Self::EdgeCollapse(_))
     }
 
-    /// From how many triangles on it is faster region by region by more than it is worse. Metrics that look at all triangles
-    /// around keep the processor busy enough to wait for no memory, and lose more to the order of regions; other operators
-    /// do not work so at all.
-    pub fn regions_pay_from(&self) -> Option<usize> {
-        match self {
-            Self::EdgeCollapse(collapse) if collapse.metric.sees_neighbours() => Some(400_000),
-            Self::EdgeCollapse(_) => Some(40_000),
-            _ => None,
-        }
-    }
-
     /// Coarsens `mesh` region by region, and tells `listener`: see [`mt_core::analysis::analyse_by_regions`]. An operator
     /// that cannot [do that](Self::works_by_regions) coarsens it as a whole.
     pub fn analyse_by_regions(

@@ -2,7 +2,7 @@
 
 use super::study::{chosen, name_of};
 use super::{CommandError, print_json, print_text};
-use crate::coarsening::{Coarsening, use_threads, usual_regions};
+use crate::coarsening::{Coarsening, go_by_regions, use_threads, usual_regions};
 use crate::files::{self, FileError, Model};
 use crate::kept::Kept;
 use crate::memory::{self, forget_peak, peak_bytes};
@@ -373,7 +373,7 @@ impl Task {
     /// Refuses to generate what is expected not to fit. What is loaded is looked at as it is loaded.
     fn check_memory(&self) -> Result<(), CommandError> {
         let Source::Generated { triangles, .. } = self.model else { return Ok(()) };
-        let by_regions = self.operator.regions_pay_from().is_some_and(|from| triangles as usize >= from);
+        let by_regions = go_by_regions(&self.operator, triangles as usize);
         let bytes = memory::of_coarsening(triangles as usize, by_regions, self.dependency == DependencyKind::Cells);
         memory::allow(&self.model.name(), bytes).map_err(|error| CommandError::Other(error.to_string()))
     }

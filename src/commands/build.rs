@@ -60,7 +60,7 @@ pub struct Build {
     #[arg(long)]
     no_weld: bool,
     /// Coarsen region by region of about so many vertices, 0 for all at once; collapses of edges only. If not set, 4096
-    /// where that pays: from 40,000 triangles on, with the metric of Lindstrom and Turk from 400,000
+    /// for meshes of 40,000 triangles and more
     #[arg(long, value_name = "VERTICES", conflicts_with = "history")]
     regions: Option<u32>,
     /// Threads to use, 0 for as many as there are cores; the result is the same to the bit

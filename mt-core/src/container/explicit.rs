@@ -1,7 +1,6 @@
 //! Explicit models in a container: the arrays of [`Parts`] as they are.
 
 use super::{Container, ContainerError, Meta, Shape, Storage, TEXT, ids, numbers, write_sections};
-use crate::cell::Cell;
 use crate::explicit::{Explicit, Parts};
 use crate::id::{CellId, VertexId};
 use crate::model::MultiTessellation;
@@ -69,17 +68,10 @@ pub(super) fn read<const N: usize>(container: &Container<'_>) -> Result<Explicit
     if meta.corners != N as u32 {
         return Err(ContainerError::Corners { found: meta.corners, wanted: N as u32 });
     }
-    let corners: Vec<VertexId> = container.array(b"CORN")?;
-    let (cells, rest) = corners.as_chunks::<N>();
-    if !rest.is_empty() {
-        return Err(ContainerError::Layout("the cells are cut short".into()));
-    }
-    let cells: Vec<Cell<N>> = cells.to_vec();
-    drop(corners);
     let parts = Parts {
         positions: container.array(b"POSI")?,
         input_vertex_count: meta.input_vertices,
-        corners: cells,
+        corners: container.cells(b"CORN")?,
         coarse_start: container.array(b"CSTA")?,
         fine_start: container.array(b"FSTA")?,
         fine: container.array::<CellId>(b"FINE")?,

@@ -31,8 +31,10 @@ pub use archive::{Archive, SectionInfo};
 pub use explicit::{write, write_as};
 pub use story::write_story;
 
+use crate::cell::Cell;
 use crate::explicit::{ErrorKind, Explicit, Invalid};
 use crate::hierarchy::Story;
+use crate::id::VertexId;
 use bytemuck::{Pod, Zeroable};
 use layout::{Entry, Section};
 use pack::{Filter, Packing};
@@ -160,11 +162,6 @@ impl Container<'_> {
         &self.meta
     }
 
-    /// Bytes that all sections take when unpacked. What a reader needs is at least that.
-    pub fn length(&self) -> u64 {
-        self.sections.iter().map(|(entry, _)| entry.length).fold(0, u64::saturating_add)
-    }
-
     /// The explicit model. Refuses arrays that are none; never panics. O(file).
     pub fn model<const N: usize>(self) -> Result<(Explicit<N>, Meta), ContainerError> {
         let model = explicit::read(&self)?;
@@ -182,6 +179,13 @@ impl Container<'_> {
     fn expect(&self, shapes: &[Shape]) -> Result<(), ContainerError> {
         let are_those = self.sections.iter().map(|(entry, _)| entry.name).eq(shapes.iter().map(|shape| shape.name));
         if are_those { Ok(()) } else { Err(ContainerError::Layout("the sections are not those of a model".into())) }
+    }
+
+    /// Cells of `N` corners.
+    fn cells<const N: usize>(&self, name: &[u8; 4]) -> Result<Vec<Cell<N>>, ContainerError> {
+        let corners: Vec<VertexId> = self.array(name)?;
+        let (cells, rest) = corners.as_chunks::<N>();
+        if rest.is_empty() { Ok(cells.to_vec()) } else { Err(ContainerError::Layout("the cells are cut short".into())) }
     }
 
     fn array<T: Pod + Zeroable>(&self, name: &[u8; 4]) -> Result<Vec<T>, ContainerError> {

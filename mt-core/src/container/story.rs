@@ -1,7 +1,6 @@
 //! Vertex hierarchies in a container: the input, its links, and the sequence of merges. All else follows from these.
 
 use super::{Container, ContainerError, Meta, Shape, Storage, TEXT, ids, numbers, steps, write_sections};
-use crate::cell::Cell;
 use crate::explicit::ErrorKind;
 use crate::hierarchy::{Sequence, Story, place_at, steps_to};
 use crate::id::VertexId;
@@ -131,7 +130,6 @@ pub(super) fn read(container: &Container<'_>) -> Result<Story, ContainerError> {
     if meta.error_kind != ErrorKind::Estimate {
         return Err(ContainerError::Layout("a hierarchy keeps no measured errors".into()));
     }
-    let cells: Vec<[VertexId; 3]> = cells_of(container, b"CELL")?;
     let centers: Vec<VertexId> = container.array(b"CENT")?;
     let [positions, merged] = match on_grid {
         Some(step) => {
@@ -139,7 +137,7 @@ pub(super) fn read(container: &Container<'_>) -> Result<Story, ContainerError> {
         }
         None => [container.array(b"POSI")?, container.array(b"MPOS")?],
     };
-    let mesh = Mesh { positions, cells };
+    let mesh = Mesh { positions, cells: container.cells(b"CELL")? };
     let mut sequence = Sequence::with_input(mesh.vertex_count() as u32);
     (sequence.centers, sequence.positions) = (centers, merged);
     sequence.children = container.array(b"CHIL")?;
@@ -153,11 +151,5 @@ pub(super) fn read(container: &Container<'_>) -> Result<Story, ContainerError> {
     if !fits {
         return Err(ContainerError::Layout("metadata and arrays disagree in counts".into()));
     }
-    Ok(Story { mesh, links: cells_of(container, b"LINK")?, sequence })
-}
-
-fn cells_of<const N: usize>(container: &Container<'_>, name: &[u8; 4]) -> Result<Vec<Cell<N>>, ContainerError> {
-    let corners: Vec<VertexId> = container.array(name)?;
-    let (cells, rest) = corners.as_chunks::<N>();
-    if rest.is_empty() { Ok(cells.to_vec()) } else { Err(ContainerError::Layout("the cells are cut short".into())) }
+    Ok(Story { mesh, links: container.cells(b"LINK")?, sequence })
 }
