@@ -1,25 +1,6 @@
 //! One page of HTML that needs no other file: headings, paragraphs, tables, and pictures within the text.
 
-/// How the cells of a column are set.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Align {
-    /// Text, from the left.
-    #[default]
-    Text,
-    /// Numbers, to the right, in figures of one width.
-    Number,
-}
-
-/// A table as text; everything in it is escaped.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
-    /// Written above; may be empty.
-    pub caption: String,
-    /// Heading and alignment of each column.
-    pub columns: Vec<(String, Align)>,
-    /// Cells, row by row; a short row ends in empty cells, and cells beyond the columns are dropped.
-    pub rows: Vec<Vec<String>>,
-}
+pub use crate::table::{Align, Table};
 
 /// A page on its way: each call adds a block at the end.
 #[derive(Clone, Debug)]

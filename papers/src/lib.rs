@@ -9,8 +9,10 @@
 //! |---|---|
 //! | [`study`] | subjects, the camera path, the matrix of runs, results as tidy rows, the report |
 //! | [`mod@bench`] | what models cost, row by row, and the tables of it |
+//! | [`ledger`] | the papers, one module each: published against measured, item by item |
 //! | [`distance`] | how far two meshes are from one another: samples against exact nearest points |
 //! | [`plot`] | lines and bars as SVG that takes its colours from the page |
+//! | [`mod@table`] | tables as data, as Markdown and as CSV |
 //! | [`html`] | one page that needs no other file |
 //!
 //! Citations here and in all crates are keys of `refs.bib`, beside this crate's manifest.
@@ -29,6 +31,13 @@
 
 pub mod bench;
 pub mod distance;
+mod fan_hierarchy;
+mod generalized;
 pub mod html;
+pub mod ledger;
+mod multi_tessellation;
 pub mod plot;
+mod strips;
 pub mod study;
+pub mod table;
+mod truly_selective;

@@ -45,6 +45,9 @@ pub struct Legend {
     pub caption: &'static str,
 }
 
+/// Of a cell of which nothing is told.
+const UNKNOWN: Rgba = [150, 150, 150, 255];
+
 /// Everything a painter needs but the camera. 84 bytes a triangle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
@@ -84,6 +87,8 @@ pub enum Overlay<'a> {
         /// Values at the lower and the upper end of the ramp.
         range: (f32, f32),
     },
+    /// A colour of each cell: what it means is for the caption to say.
+    Colours(&'a [Rgba]),
 }
 
 /// How a mesh is to look.
@@ -128,7 +133,7 @@ impl<'a> Overlay<'a> {
 
     fn parts(&self) -> Option<(&'a [f32], Legend)> {
         match *self {
-            Overlay::None => None,
+            Overlay::None | Overlay::Colours(_) => None,
             Overlay::Error { values, range } => Some((values, Legend { ramp: Ramp::Plasma, range, caption: "error" })),
             Overlay::Level { values, range } => Some((values, Legend { ramp: Ramp::Viridis, range, caption: "level" })),
         }
@@ -164,8 +169,11 @@ pub fn encode(mesh: &Mesh<3>, look: &Look) -> Scene {
     };
     for (cell, vertices) in mesh.cells.iter().enumerate() {
         let Some(positions) = positions(mesh, vertices.map(|vertex| vertex.index())) else { continue };
-        let colour = overlay
-            .map_or(look.material, |(values, legend)| legend.colour(values.get(cell).copied().unwrap_or(f32::NAN)));
+        let colour = match (look.overlay, overlay) {
+            (Overlay::Colours(colours), _) => colours.get(cell).copied().unwrap_or(UNKNOWN),
+            (_, Some((values, legend))) => legend.colour(values.get(cell).copied().unwrap_or(f32::NAN)),
+            (_, None) => look.material,
+        };
         let flat = unit_normal(positions);
         for (position, vertex) in positions.into_iter().zip(vertices) {
             let normal = normals.get(vertex.index()).copied().unwrap_or(flat).to_array();

@@ -6,6 +6,7 @@ mod build;
 mod extract;
 mod history;
 mod info;
+mod paper;
 mod render;
 mod study;
 mod verify;
@@ -45,6 +46,8 @@ enum Command {
     Render(render::Render),
     /// Build, extract along a camera path, measure and render; write a report
     Study(study::Study),
+    /// Reproduce tables and figures of papers, published beside measured; write the ledger
+    Paper(paper::Paper),
     /// Measure what models cost to build, to keep and to step, and how good they are; write a report
     Bench(bench::Bench),
 }
@@ -78,6 +81,7 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Bisect(command) => command.run(),
         Command::Render(command) => command.run(),
         Command::Study(command) => command.run(),
+        Command::Paper(command) => command.run(),
         Command::Bench(command) => command.run(),
     }
 }

@@ -31,7 +31,7 @@ pub fn measure<M: MultiTessellation<3, Bound = Bound>>(
     samples: usize,
     meter: Meter<'_>,
 ) -> (Vec<Quality>, Option<Steps>, Option<Frames>) {
-    let steps = (!model.is_empty()).then(|| best_steps(model, meter));
+    let steps = (!model.is_empty()).then(|| steps(model, meter));
     let frames = (frames > 0 && !model.is_empty()).then(|| follow(model, input, frames, meter));
     let quality = if samples > 0 { qualities(model, input, samples) } else { Vec::new() };
     (quality, steps, frames)
@@ -56,7 +56,8 @@ impl Sink<3> for Heard {
     }
 }
 
-fn best_steps<M: MultiTessellation<3, Bound = Bound>>(model: &M, meter: Meter<'_>) -> Steps {
+/// Steps of a model by this clock, the fastest of a few rounds.
+pub(crate) fn steps<M: MultiTessellation<3, Bound = Bound>>(model: &M, meter: Meter<'_>) -> Steps {
     let mut best = Steps { ns: f64::INFINITY, ns_with_cells: f64::INFINITY, ..Steps::default() };
     for _ in 0..ROUNDS {
         let [refine, coarsen] = all_steps(model, &mut (), meter);

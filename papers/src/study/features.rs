@@ -22,7 +22,7 @@ pub(super) fn sharp_vertices(mesh: &Mesh<3>) -> Vec<Vec3> {
 }
 
 /// How many inner edges fold: their two triangles look nearly at each other. O(cells log cells).
-pub(super) fn folds(cells: &[Cell<3>], positions: &[Vec3]) -> u32 {
+pub(crate) fn folds(cells: &[Cell<3>], positions: &[Vec3]) -> u32 {
     let mut count = 0;
     each_edge(cells, positions, |_, cosine| count += u32::from(cosine.is_some_and(|cosine| cosine < FOLD_COSINE)));
     count

@@ -14,6 +14,8 @@ mod report;
 mod results;
 mod tables;
 
+pub(crate) use features::folds;
+
 pub use build::{Cache, NoCache};
 pub use choices::{CriterionKind, DependencyKind, StrategyKind, UnknownChoice};
 pub use path::camera_path;

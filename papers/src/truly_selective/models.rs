@@ -1,0 +1,204 @@
+//! What stands for the models of Table 2, and what is wished of each.
+
+use super::wish::Wished;
+use crate::ledger::{LedgerError, Raster, Role, Size, Subject, Workshop};
+use glam::Vec3;
+use mt_core::generate::{bumpy_sphere, genus_surface, terrain};
+use mt_core::{Bound, Camera, Mesh, Replay, VertexId};
+use operators::metric::{AnyMetric, QuadricAttributes, Quadrics};
+use operators::{AnyOperator, EdgeCollapse};
+use selective::{Criterion, Facing, Frustum, InView, UniformError};
+use std::sync::Arc;
+
+/// A difference from black to white is worth this share of the diagonal of an image.
+const GREY_WEIGHT: f64 = 0.1;
+/// The share of the pixels that are feature points: the strongest answers of the mask.
+const FEATURE_SHARE: f64 = 0.2;
+
+/// The criterion of a column.
+pub(super) enum Asked {
+    /// Feature points of an image.
+    Features(Image),
+    /// Everything in the frustum of a camera.
+    InView(Camera),
+    /// The same where the surface may face the eye.
+    Facing(Camera),
+}
+
+/// An image with its feature points.
+#[derive(Clone)]
+pub(super) struct Image {
+    pub(super) raster: Raster,
+    pub(super) features: Vec<VertexId>,
+}
+
+/// A column of Table 2.
+pub(super) struct Column {
+    pub(super) subject: Arc<Subject>,
+    pub(super) operator: AnyOperator,
+    pub(super) asked: Asked,
+}
+
+/// The names of the columns, as printed.
+pub(super) const NAMES: [&str; 8] = ["Lena", "Female", "Terrain1", "Terrain2", "Terrain3", "Cow", "Horse", "Bunny"];
+
+const IMAGES: [(&str, [usize; 4]); 2] = [("Lena", [160, 70, 128, 128]), ("Female", [340, 110, 128, 86])];
+
+const TERRAINS: [Role; 3] = [
+    Role { name: "Terrain1", file: "terrain/gcanyon.png", part: Some([500, 500, 173, 173]), stand_in: |size| hills(size, 1) },
+    Role { name: "Terrain2", file: "terrain/fuji.png", part: Some([170, 170, 173, 173]), stand_in: |size| hills(size, 2) },
+    Role { name: "Terrain3", file: "terrain/N42E001.hgt", part: Some([600, 300, 173, 173]), stand_in: |size| hills(size, 3) },
+];
+
+fn hills(size: Size, seed: u64) -> Mesh<3> {
+    terrain(if size == Size::Small { 24 } else { 172 }, 0.5, seed)
+}
+
+const COW: Role = Role {
+    name: "Cow",
+    file: "surfaces/cow.obj",
+    part: None,
+    stand_in: |size| genus_surface(1, if size == Size::Small { 5 } else { 10 }, 0.02, 4),
+};
+pub(super) const HORSE: Role = Role {
+    name: "Horse",
+    file: "surfaces/horse.ply",
+    part: None,
+    stand_in: |size| bumpy_sphere(if size == Size::Small { 3 } else { 5 }, 0.2, 6),
+};
+pub(super) const BUNNY: Role = Role {
+    name: "Bunny",
+    file: "surfaces/stanford-bunny.obj",
+    part: None,
+    stand_in: |size| bumpy_sphere(if size == Size::Small { 3 } else { 5 }, 0.15, 9),
+};
+
+/// Edge collapse in the order of the quadric error.
+pub(super) fn quadric() -> AnyOperator {
+    AnyOperator::EdgeCollapse(EdgeCollapse::FULL.with(AnyMetric::Quadric(Quadrics)))
+}
+
+/// A column by its name.
+pub(super) fn column(workshop: &mut Workshop<'_>, name: &str) -> Result<Column, LedgerError> {
+    if let Some((name, part)) = IMAGES.into_iter().find(|(other, _)| *other == name) {
+        return image(workshop, name, part);
+    }
+    let terrain = TERRAINS.iter().position(|role| role.name == name);
+    if let Some(i) = terrain {
+        let subject = workshop.subject(&TERRAINS[i])?;
+        // A wide look, a narrow one, and one in between, as the printed shares are.
+        let camera = over(&subject.mesh, [60.0, 16.0, 36.0][i], [0.05, 0.25, 0.1][i]);
+        return Ok(Column { subject, operator: quadric(), asked: Asked::InView(camera) });
+    }
+    let (role, from, away) = match name {
+        "Cow" => (&COW, Vec3::new(0.5, 0.2, 1.0), 1.0),
+        "Horse" => (&HORSE, Vec3::new(1.0, 0.2, 0.6), 1.0),
+        _ => (&BUNNY, Vec3::new(-0.25, 0.25, 1.0), 0.35),
+    };
+    let subject = workshop.subject(role)?;
+    let camera = near(&subject.mesh, from, away);
+    Ok(Column { subject, operator: quadric(), asked: Asked::Facing(camera) })
+}
+
+fn image(workshop: &mut Workshop<'_>, name: &'static str, part: [usize; 4]) -> Result<Column, LedgerError> {
+    let [_, _, width, height] = part;
+    let (width, height) = workshop.pick((width, height), (24, 20));
+    let (raster, from) = workshop.raster("images/camera.png", Some(part), || rings(width, height))?;
+    let mut strength: Vec<(f32, usize)> = raster.sobel().into_iter().enumerate().map(|(i, s)| (s, i)).collect();
+    strength.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let count = (strength.len() as f64 * FEATURE_SHARE) as usize;
+    let features = strength[..count].iter().map(|&(_, i)| VertexId::new(i)).collect();
+    let grey: Arc<[[f32; 3]]> = raster.values.iter().map(|&grey| [grey, 0.0, 0.0]).collect();
+    let metric = QuadricAttributes { attributes: Some(grey), weight: GREY_WEIGHT };
+    let operator = AnyOperator::EdgeCollapse(EdgeCollapse::FULL.with(AnyMetric::QuadricAttributes(metric)));
+    let subject = Arc::new(Subject { name, from: format!("{from}, grey"), mesh: raster.plane() });
+    Ok(Column { subject, operator, asked: Asked::Features(Image { raster, features }) })
+}
+
+/// Rings around a corner and a bar: edges of all directions.
+fn rings(width: usize, height: usize) -> Raster {
+    Raster::sampled(width, height, |x, y| {
+        let ring = ((x * x + y * y).sqrt() * 0.18).sin() * 0.35 + 0.5;
+        if (x - width as f32 * 0.7).abs() < width as f32 * 0.06 { 0.05 } else { ring }
+    })
+}
+
+/// A camera at the south side of a terrain, looking north and down. `from` is how far inside it stands.
+fn over(mesh: &Mesh<3>, fov_y_degrees: f32, from: f32) -> Camera {
+    let (low, high) = mesh.bounding_box().unwrap_or_default();
+    let (middle, side) = ((low + high) * 0.5, high - low);
+    let eye = Vec3::new(middle.x, high.y + 0.1 * side.x, high.z - from * side.z);
+    Camera {
+        eye,
+        target: Vec3::new(middle.x, low.y, middle.z - 0.2 * side.z),
+        up: Vec3::Y,
+        fov_y_degrees,
+        near: side.x * 0.01,
+        far: side.x * 3.0,
+        width_px: 800,
+        height_px: 600,
+    }
+}
+
+/// A camera around a mesh; a share below 1 comes nearer and looks at what is up there.
+fn near(mesh: &Mesh<3>, from: Vec3, away: f32) -> Camera {
+    let (low, high) = mesh.bounding_box().unwrap_or_default();
+    let camera = Camera::around(low, high, from);
+    let head = camera.target + Vec3::new(-0.12, 0.28, 0.1) * (high - low) * f32::from(u8::from(away < 1.0));
+    let eye = head + (camera.eye - camera.target) * away;
+    Camera { eye, target: head, width_px: 800, height_px: 600, ..camera }
+}
+
+impl Column {
+    /// The sequence and the wish on it.
+    pub(super) fn wished(&self, workshop: &mut Workshop<'_>) -> Result<Wished, LedgerError> {
+        let replay = workshop.sequence(&self.subject, &self.operator)?.replay;
+        Ok(Wished::new(Arc::clone(&replay), self.asked.nodes(&replay)))
+    }
+
+    /// The camera, where there is one.
+    pub(super) fn camera(&self) -> Option<&Camera> {
+        match &self.asked {
+            Asked::Features(_) => None,
+            Asked::InView(camera) | Asked::Facing(camera) => Some(camera),
+        }
+    }
+}
+
+impl Asked {
+    /// The nodes that are asked for.
+    fn nodes(&self, replay: &Replay) -> Vec<mt_core::NodeId> {
+        let everything = UniformError { error_max: -1.0 };
+        match self {
+            Asked::Features(image) => above(replay, &image.features),
+            Asked::InView(camera) => {
+                let criterion = InView { frustum: Frustum::new(camera), criterion: everything };
+                asking(replay, |bound| criterion.asks(bound, false))
+            }
+            Asked::Facing(camera) => {
+                let in_view = InView { frustum: Frustum::new(camera), criterion: everything };
+                let criterion = Facing { eye: camera.eye, criterion: in_view };
+                asking(replay, |bound| criterion.asks(bound, false))
+            }
+        }
+    }
+}
+
+/// The nodes whose bound is asked for.
+pub(super) fn asking(replay: &Replay, asks: impl Fn(&Bound) -> bool) -> Vec<mt_core::NodeId> {
+    (0..replay.len()).map(mt_core::NodeId).filter(|&m| asks(&replay.bound(m))).collect()
+}
+
+/// The nodes that have to be refined before these input vertices are there.
+fn above(replay: &Replay, leaves: &[VertexId]) -> Vec<mt_core::NodeId> {
+    let mut found = Vec::new();
+    for &leaf in leaves {
+        let first = replay.merged_at(leaf);
+        let mut next = (!first.is_none()).then_some(first);
+        while let Some(m) = next {
+            found.push(m);
+            next = replay.parent(m);
+        }
+    }
+    found
+}
