@@ -58,7 +58,11 @@ impl Table {
     /// The table as CSV (RFC 4180), headings first, without the caption.
     pub fn csv(&self) -> String {
         let quote = |text: &str| {
-            if text.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+            if text.contains(['"', ',', '\n', '\r']) {
+                format!("\"{}\"", text.replace('"', "\"\""))
+            } else {
+                text.to_owned()
+            }
         };
         let mut text = self.columns.iter().map(|(heading, _)| quote(heading)).collect::<Vec<_>>().join(",") + "\n";
         for row in &self.rows {

@@ -4,7 +4,9 @@ use super::{CommandError, print_text};
 use crate::files;
 use crate::progress::Progress;
 use clap::Args;
-use papers::ledger::{self, Bare, Entry, Item, LedgerError, PAPERS, Paper as Reproduced, Shelf, Size, Verdict, Workshop};
+use papers::ledger::{
+    self, Bare, Entry, Item, LedgerError, PAPERS, Paper as Reproduced, Shelf, Size, Verdict, Workshop,
+};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -80,10 +82,10 @@ impl Paper {
         }
         // The text comes last: where it is, everything it tells of is.
         let (name, text) = if self.all {
-            let text = ledger::ledger(entries, &self.told(), "ledger/").map_err(|error| CommandError::Other(error.to_string()))?;
+            let text = ledger::ledger(entries, &self.told()).map_err(|error| CommandError::Other(error.to_string()))?;
             ("LEDGER.md".to_owned(), text)
         } else {
-            (file_of(entries), entries.iter().map(|entry| ledger::markdown(entry, "")).collect())
+            (file_of(entries), entries.iter().map(ledger::markdown).collect())
         };
         files::write_bytes(&folder.join(&name), text.as_bytes())?;
         print_text(&summary(entries, &folder.join(name)));
@@ -99,7 +101,10 @@ impl Paper {
             None => "generated models, since MT_DATA names no folder of real ones",
         };
         let version = env!("CARGO_PKG_VERSION");
-        format!("This one was made by version {version} on {models}, on {} with {cores} threads at hand.", std::env::consts::ARCH)
+        format!(
+            "This one was made by version {version} on {models}, on {} with {cores} threads at hand.",
+            std::env::consts::ARCH
+        )
     }
 }
 

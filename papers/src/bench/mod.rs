@@ -8,7 +8,7 @@ mod measure;
 mod row;
 mod tables;
 
-pub(crate) use measure::{nanoseconds_a_step, steps};
 pub use measure::{Meter, measure};
+pub(crate) use measure::{nanoseconds_a_step, steps};
 pub use row::{Built, Frames, Quality, Row, Steps};
 pub use tables::{csv, markdown, page};

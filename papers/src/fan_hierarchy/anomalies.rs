@@ -25,7 +25,8 @@ pub(super) fn run(workshop: &mut Workshop<'_>, published: &Published, entry: &mu
     equation(entry);
     entry.claims.push(Claim::check(
         "Figures 8 and 9 are of models of 320K and 202K triangles, and the tables of 7,500K and 7,218K",
-        built.number("Armadillo", "triangles, K") == Some(7500.0) && built.number("A. Dragon", "triangles, K") == Some(7218.0),
+        built.number("Armadillo", "triangles, K") == Some(7500.0)
+            && built.number("A. Dragon", "triangles, K") == Some(7218.0),
         "so the pictures say nothing of the rows of the tables; ours are of one model each",
         "",
     ));
@@ -51,7 +52,8 @@ fn order(workshop: &mut Workshop<'_>, entry: &mut Entry) -> Result<(), LedgerErr
 }
 
 fn tables_against_each_other(entry: &mut Entry, built: &PublishedTable, sizes: &PublishedTable) {
-    let excess = of_rows(sizes, |row| Some(sizes.number(row, "VDT internal nodes, K")? - built.number(row, "vertices, K")?));
+    let excess =
+        of_rows(sizes, |row| Some(sizes.number(row, "VDT internal nodes, K")? - built.number(row, "vertices, K")?));
     let half = |row: &str| built.number(row, "triangles, K").unwrap_or(f64::NAN) / 2.0;
     entry.claims.push(Claim::check(
         "Table 2 has more internal nodes of the tree of Scene and Armadillo than Table 1 has vertices, which no binary tree has",
@@ -70,8 +72,7 @@ fn tables_against_each_other(entry: &mut Entry, built: &PublishedTable, sizes: &
         format!("Terrain took {}, which read as seconds would be 31 vertices a millisecond on a Pentium 4", text(0)),
         "",
     ));
-    let per_vertex: Vec<f64> =
-        quotients(built, "FH, min:s", "vertices, K").into_iter().collect();
+    let per_vertex: Vec<f64> = quotients(built, "FH, min:s", "vertices, K").into_iter().collect();
     let (least, most) = ends(&per_vertex);
     entry.claims.push(Claim::check(
         "\"Nearly linear\" is 0.57 to 2.16 ms a vertex",
@@ -79,14 +80,16 @@ fn tables_against_each_other(entry: &mut Entry, built: &PublishedTable, sizes: &
         format!("{} ms a vertex, a factor of {:.1}", range(&per_vertex, 2), most / least),
         "",
     ));
-    let scene = sizes.number("Scene", "VDT size, KB").unwrap_or(f64::NAN) / sizes.number("Scene", "FH size, KB").unwrap_or(f64::NAN);
+    let scene = sizes.number("Scene", "VDT size, KB").unwrap_or(f64::NAN)
+        / sizes.number("Scene", "FH size, KB").unwrap_or(f64::NAN);
     entry.claims.push(Claim::check(
         "The saving factor of Scene is printed as 1.60",
         (scene - 1.6).abs() > 0.03,
         format!("its sizes give {scene:.2}"),
         "",
     ));
-    let children = of_rows(sizes, |row| Some(built.number(row, "vertices, K")? / sizes.number(row, "FH internal nodes, K")?));
+    let children =
+        of_rows(sizes, |row| Some(built.number(row, "vertices, K")? / sizes.number(row, "FH internal nodes, K")?));
     entry.claims.push(Claim::check(
         "A depth of log6 n wants six children a fan, its centre among them",
         ends(&children).0 < 5.5,
@@ -132,7 +135,8 @@ fn ratios(entry: &mut Entry, sizes: &PublishedTable, adapted: &PublishedTable) {
 /// Equation 3, at either side of its branch and at two distances.
 fn equation(entry: &mut Entry) {
     let epsilon = 0.2;
-    let visual = |reading| VisualError { eye: Vec3::ZERO, light: Vec3::X, epsilon, scale: 1.0, error_min: 0.0, reading };
+    let visual =
+        |reading| VisualError { eye: Vec3::ZERO, light: Vec3::X, epsilon, scale: 1.0, error_min: 0.0, reading };
     // A small flat patch whose normal has this cosine with the view and looks at the light as much as it can.
     let at = |cosine: f32, distance: f32| {
         let normal = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, -cosine);

@@ -7,11 +7,7 @@ use mt_core::hierarchy::Replay;
 use mt_core::{NodeId, VertexId};
 
 /// Adds the models to an entry and gives the hierarchies.
-fn each(
-    workshop: &mut Workshop<'_>,
-    entry: &mut Entry,
-    mut visit: impl FnMut(&Both),
-) -> Result<(), LedgerError> {
+fn each(workshop: &mut Workshop<'_>, entry: &mut Entry, mut visit: impl FnMut(&Both)) -> Result<(), LedgerError> {
     for role in &ROLES {
         let both = both(workshop, role)?;
         entry.models.push(both.subject.told());
@@ -20,9 +16,15 @@ fn each(
     Ok(())
 }
 
-pub(super) fn table_1(workshop: &mut Workshop<'_>, published: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
-    let headings = ["dataset", "#vertices", "#FH, s", "#VDT, s", "#VDT / FH", "#printed", "#FH, us a vertex", "#printed, us"];
-    let mut table = Table::new("Measured: wall seconds of analysis and replay, whatever else the machine did.", &headings);
+pub(super) fn table_1(
+    workshop: &mut Workshop<'_>,
+    published: &Published,
+    entry: &mut Entry,
+) -> Result<(), LedgerError> {
+    let headings =
+        ["dataset", "#vertices", "#FH, s", "#VDT, s", "#VDT / FH", "#printed", "#FH, us a vertex", "#printed, us"];
+    let mut table =
+        Table::new("Measured: wall seconds of analysis and replay, whatever else the machine did.", &headings);
     let printed = published.table("table-1")?;
     let (mut ratios, mut per_vertex) = (Vec::new(), Vec::new());
     each(workshop, entry, |both| {
@@ -64,7 +66,9 @@ pub(super) fn table_1(workshop: &mut Workshop<'_>, published: &Published, entry:
         ),
         "the time a vertex grows with the caches that a model does not fit, and with the degrees that fans make",
     ));
-    entry.note("The rival does without virtual edges here; with them its preprocessing also has a Delaunay triangulation.");
+    entry.note(
+        "The rival does without virtual edges here; with them its preprocessing also has a Delaunay triangulation.",
+    );
     Ok(())
 }
 
@@ -75,12 +79,28 @@ fn size_ratio(entry: &Entry) -> f64 {
     most / least
 }
 
-pub(super) fn table_2(workshop: &mut Workshop<'_>, published: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
+pub(super) fn table_2(
+    workshop: &mut Workshop<'_>,
+    published: &Published,
+    entry: &mut Entry,
+) -> Result<(), LedgerError> {
     let headings = [
-        "dataset", "#FH internal", "#VDT internal", "#VDT / FH", "#printed", "#FH, bytes a vertex", "#VDT, bytes a vertex",
-        "#saving", "#printed saving", "#computed from print", "#merged in part, %",
+        "dataset",
+        "#FH internal",
+        "#VDT internal",
+        "#VDT / FH",
+        "#printed",
+        "#FH, bytes a vertex",
+        "#VDT, bytes a vertex",
+        "#saving",
+        "#printed saving",
+        "#computed from print",
+        "#merged in part, %",
     ];
-    let mut table = Table::new("Measured: internal nodes are merged vertices; bytes are those of the hierarchies in memory, without the input.", &headings);
+    let mut table = Table::new(
+        "Measured: internal nodes are merged vertices; bytes are those of the hierarchies in memory, without the input.",
+        &headings,
+    );
     let printed = published.table("table-2")?;
     let (mut nodes, mut savings) = (Vec::new(), Vec::new());
     each(workshop, entry, |both| {
@@ -116,7 +136,7 @@ pub(super) fn table_2(workshop: &mut Workshop<'_>, published: &Published, entry:
         "the tree is 1.3 to 1.7 times the size of the fan hierarchy",
         savings.iter().all(|saving| (1.3..=1.7).contains(saving)),
         format!("{} times", range(&savings, 2)),
-        "",
+        "smaller fans save less, and both are compact here: a fan needs a table of its children, which an edge does without",
     ));
     entry.note(
         "Sizes are of our data structures: arrays of four-byte ids, error, radius and normal cone a node; the paper's have \
@@ -143,10 +163,20 @@ fn partial_fans(replay: &Replay) -> f64 {
 
 pub(super) fn depth(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
     let headings = [
-        "dataset", "#FH mean depth", "#FH depth", "#log6 n", "#VDT mean depth", "#VDT depth", "#log2 n", "#children",
+        "dataset",
+        "#FH mean depth",
+        "#FH depth",
+        "#log6 n",
+        "#VDT mean depth",
+        "#VDT depth",
+        "#log2 n",
+        "#children",
         "#pointers a node",
     ];
-    let mut table = Table::new("Measured: merges above an input vertex, mean and most; children of a merge, its centre among them.", &headings);
+    let mut table = Table::new(
+        "Measured: merges above an input vertex, mean and most; children of a merge, its centre among them.",
+        &headings,
+    );
     let (mut fan_ratios, mut tree_ratios, mut pointers) = (Vec::new(), Vec::new(), Vec::new());
     each(workshop, entry, |both| {
         let n = both.subject.mesh.vertex_count() as f64;
@@ -173,8 +203,8 @@ pub(super) fn depth(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entr
         "the average depth of fans is log6 n",
         ends(&fan_ratios).1 < 1.25,
         format!("{} times log6 n", range(&fan_ratios, 2)),
-        "a logarithm needs a balanced forest and six children; the order of errors balances nothing, and a fan has fewer \
-         children, so the depth is that of log n to a smaller base, times what is unbalanced",
+        "a logarithm needs a balanced forest with six children a node, and the order of errors makes neither; base meshes of \
+         many vertices make forests of low trees",
     ));
     entry.claims.push(Claim::check(
         "that of edge collapses is log2 n",

@@ -42,11 +42,13 @@ fn degrees(replay: &Replay) -> Vec<(u32, usize, f64)> {
 pub(super) fn figure_3(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
     let subject = workshop.subject(&BUNNY)?;
     entry.models.push(subject.told());
-    let [fan, edge] = [fans(), edges()].map(|operator| workshop.sequence(&subject, &operator).map(|made| degrees(&made.replay)));
+    let [fan, edge] =
+        [fans(), edges()].map(|operator| workshop.sequence(&subject, &operator).map(|made| degrees(&made.replay)));
     let (fan, edge) = (fan?, edge?);
-    let mut table = Table::new("Measured: triangles at a vertex; vertices without one are left out.", &[
-        "#vertices gone, %", "#fan-merge, most", "#edge collapse, most", "#fan-merge, mean", "#edge collapse, mean",
-    ]);
+    let mut table = Table::new(
+        "Measured: triangles at a vertex; vertices without one are left out.",
+        &["#vertices gone, %", "#fan-merge, most", "#edge collapse, most", "#fan-merge, mean", "#edge collapse, mean"],
+    );
     for gone in GONE {
         let [fan, edge] = [&fan, &edge].map(|all| all.iter().find(|(at, ..)| *at == gone));
         let most = |row: Option<&(u32, usize, f64)>| row.map_or(String::new(), |row| row.1.to_string());
@@ -92,7 +94,9 @@ pub(super) fn figure_3(workshop: &mut Workshop<'_>, _: &Published, entry: &mut E
     };
     entry.figures.push(Figure {
         name: "fan-hierarchy-figure-3.svg".into(),
-        caption: "Figure 3 remade: largest and mean degree against the share of vertices that are gone, by fans and by edges".into(),
+        caption:
+            "Figure 3 remade: largest and mean degree against the share of vertices that are gone, by fans and by edges"
+                .into(),
         bytes: plot.svg().into_bytes(),
     });
     Ok(())

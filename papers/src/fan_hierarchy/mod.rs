@@ -83,7 +83,9 @@ fn fans() -> AnyOperator {
 }
 
 fn edges() -> AnyOperator {
-    AnyOperator::EdgeCollapse(EdgeCollapse::FULL.with(operators::metric::AnyMetric::Quadric(operators::metric::Quadrics)))
+    AnyOperator::EdgeCollapse(
+        EdgeCollapse::FULL.with(operators::metric::AnyMetric::Quadric(operators::metric::Quadrics)),
+    )
 }
 
 /// A model of the paper with both hierarchies.

@@ -25,9 +25,11 @@ fn wishes(camera: &Camera, diagonal: f32) -> Result<Vec<(&'static str, &'static 
     let uniform = Wish::Uniform(UniformError { error_max });
     let in_view = Wish::InView(Box::new(InView { frustum, criterion: uniform.clone() }));
     let eye = camera.eye;
-    let outline = Wish::Silhouette(Box::new(Silhouette { eye, outline: screen(0.25 * ERROR_PX), elsewhere: screen(ERROR_PX) }));
+    let outline =
+        Wish::Silhouette(Box::new(Silhouette { eye, outline: screen(0.25 * ERROR_PX), elsewhere: screen(ERROR_PX) }));
     let knots = vec![(0.0, 2e-5 * diagonal), (diagonal * 0.5, 1e-4 * diagonal), (diagonal * 2.0, 1e-3 * diagonal)];
-    let transfer = Transfer::new(eye, Measure::Distance, knots).map_err(|error| LedgerError::Data(error.to_string()))?;
+    let transfer =
+        Transfer::new(eye, Measure::Distance, knots).map_err(|error| LedgerError::Data(error.to_string()))?;
     let light = Vec3::new(0.3, 0.9, 0.4).normalize();
     let reading = Reading::Error;
     let visual = VisualError { eye, light, epsilon: 0.2, scale: 1e-4 * diagonal * diagonal, error_min: 0.0, reading };
@@ -36,7 +38,11 @@ fn wishes(camera: &Camera, diagonal: f32) -> Result<Vec<(&'static str, &'static 
         ("screen-space projection", "an error of one pixel, within the frustum", screen(ERROR_PX)),
         ("local illumination", "the error times what light and view make of it", Wish::Visual(Box::new(visual))),
         ("visibility culling: frustum", "the same error, within the frustum", in_view.clone()),
-        ("visibility culling: back faces", "the same, where the surface may face the eye", Wish::Facing(Box::new(Facing { eye, criterion: in_view }))),
+        (
+            "visibility culling: back faces",
+            "the same, where the surface may face the eye",
+            Wish::Facing(Box::new(Facing { eye, criterion: in_view })),
+        ),
         ("silhouette boundaries", "one pixel, a quarter of it at outlines", outline),
         ("level of detail transfer function", "an error that grows with distance", Wish::Transfer(Box::new(transfer))),
     ])
@@ -53,9 +59,10 @@ pub(super) fn factors(workshop: &mut Workshop<'_>, _: &Published, entry: &mut En
     let around = Camera::around(low, high, Vec3::new(-0.3, 0.3, 1.0));
     let target = around.target + Vec3::new(-0.1, 0.2, 0.0) * (high - low);
     let camera = Camera { target, eye: target + (around.eye - around.target) * 0.5, ..around };
-    let mut table = Table::new("Measured: one camera near the head, one hierarchy under dual pieces.", &[
-        "factor", "asked for", "#triangles", "#of the input", "#steps",
-    ]);
+    let mut table = Table::new(
+        "Measured: one camera near the head, one hierarchy under dual pieces.",
+        &["factor", "asked for", "#triangles", "#of the input", "#steps"],
+    );
     let mut least = true;
     let mut counts = Vec::new();
     for (name, asked, wish) in wishes(&camera, subject.mesh.diagonal() as f32)? {
@@ -81,7 +88,10 @@ pub(super) fn factors(workshop: &mut Workshop<'_>, _: &Published, entry: &mut En
     entry.claims.push(Claim::check(
         "what cannot be seen is coarse: each kind of culling leaves fewer triangles",
         counts[3] < counts[0] && counts[4] < counts[3],
-        format!("{} of the same error everywhere, {} within the frustum, {} of them where the surface may face the eye", counts[0], counts[3], counts[4]),
+        format!(
+            "{} of the same error everywhere, {} within the frustum, {} of them where the surface may face the eye",
+            counts[0], counts[3], counts[4]
+        ),
         "the camera sees all of this model",
     ));
     entry.claims.push(Claim::check(

@@ -29,9 +29,8 @@ fn allowed(replay: &Replay) -> [u32; 2] {
 /// Forces wishes of a few nodes under the rule, and closes them under two orders: how often all three are one.
 fn agreeing(replay: &Arc<Replay>, wishes: u32) -> Result<[u32; 2], LedgerError> {
     let implicit = Hierarchy { replay: Arc::clone(replay), dependency: ImplicitIds };
-    let orders = [Stored::explicit(replay), Stored::one_ring(replay)].map(|dependency| {
-        check::order_of(&Hierarchy { replay: Arc::clone(replay), dependency })
-    });
+    let orders = [Stored::explicit(replay), Stored::one_ring(replay)]
+        .map(|dependency| check::order_of(&Hierarchy { replay: Arc::clone(replay), dependency }));
     let mut random = Random::new(11);
     let mut agree = [0, 0];
     for _ in 0..wishes {
@@ -58,9 +57,21 @@ pub(super) fn implicit_ids(workshop: &mut Workshop<'_>, _: &Published, entry: &m
     let [cells, ring] = agreeing(&replay, wishes)?;
     let mut table = Table::new("Measured", &["what", "#of", "#count"]);
     let merges = replay.len();
-    table.row(["merges of the analysis that the slide's rule allows".to_owned(), merges.to_string(), slide.to_string()]);
-    table.row(["the same, neighbours' parents instead of neighbours".to_owned(), merges.to_string(), parents.to_string()]);
-    table.row(["random wishes whose front is that of the cells' order".to_owned(), wishes.to_string(), cells.to_string()]);
+    table.row([
+        "merges of the analysis that the slide's rule allows".to_owned(),
+        merges.to_string(),
+        slide.to_string(),
+    ]);
+    table.row([
+        "the same, neighbours' parents instead of neighbours".to_owned(),
+        merges.to_string(),
+        parents.to_string(),
+    ]);
+    table.row([
+        "random wishes whose front is that of the cells' order".to_owned(),
+        wishes.to_string(),
+        cells.to_string(),
+    ]);
     table.row(["random wishes whose front is that of the one-ring".to_owned(), wishes.to_string(), ring.to_string()]);
     entry.measured.push(table);
     entry.claims.push(Claim::check(

@@ -13,7 +13,11 @@ use mt_core::generate::{bumpy_sphere, components, genus_surface, sharp_box};
 pub const PAPER: Paper = Paper {
     data: include_str!("../../published/generalized.json"),
     items: &[
-        Item { id: "virtual-edges", title: "edges between vertices that share no triangle", run: topology::virtual_edges },
+        Item {
+            id: "virtual-edges",
+            title: "edges between vertices that share no triangle",
+            run: topology::virtual_edges,
+        },
         Item { id: "topology", title: "an assembly coarsened with its topology", run: topology::topology },
         Item { id: "implicit-ids", title: "the implicit dependency rule", run: ids::implicit_ids },
         Item { id: "factors", title: "the simplification factors", run: factors::factors },

@@ -2,11 +2,11 @@
 
 use super::ASSEMBLIES;
 use crate::distance::{Sampling, Surface};
-use crate::ledger::{Brush, Claim, Entry, LedgerError, Published, Subject, Workshop};
+use crate::ledger::{Brush, Claim, Entry, LedgerError, Published, Subject, Workshop, close_up};
 use crate::table::Table;
 use glam::Vec3;
 use mt_core::model::mesh_of;
-use mt_core::{Camera, Front, Hierarchy, Mesh, NodeId, Replay, VertexId};
+use mt_core::{Front, Hierarchy, Mesh, NodeId, Replay, VertexId};
 use operators::metric::{AnyMetric, Quadrics};
 use operators::order::Stored;
 use operators::vertex_pair::{Preference, VertexPair, VirtualEdges, virtual_edges as find};
@@ -17,7 +17,16 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub(super) fn virtual_edges(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
-    let headings = ["model", "#threshold, rad", "#longest, % of diagonal", "#edges", "#virtual edges", "#pieces by edges", "#pieces with virtual edges", "#s"];
+    let headings = [
+        "model",
+        "#threshold, rad",
+        "#longest, % of diagonal",
+        "#edges",
+        "#virtual edges",
+        "#pieces by edges",
+        "#pieces with virtual edges",
+        "#s",
+    ];
     let mut table = Table::new("Measured: a piece is what edges connect.", &headings);
     let (mut fewer, mut joined) = (true, true);
     for role in &ASSEMBLIES {
@@ -51,10 +60,16 @@ pub(super) fn virtual_edges(workshop: &mut Workshop<'_>, _: &Published, entry: &
     entry.claims.push(Claim::check(
         "only vertices on boundaries of patches are joined, so a larger threshold makes fewer virtual edges",
         fewer,
-        "their number falls with the threshold, model by model",
+        "their number against the threshold is in the table",
+        "with fewer vertices a Gabriel graph has fewer edges, but fewer of them are edges of triangles as well, which do not \
+         count as virtual",
+    ));
+    entry.claims.push(Claim::check(
+        "virtual edges connect different objects",
+        joined,
+        "there are fewer pieces with them than without",
         "",
     ));
-    entry.claims.push(Claim::check("virtual edges connect different objects", joined, "there are fewer pieces with them than without", ""));
     entry.note("Edges of a Gabriel graph up to a length, which is a part of the Delaunay triangulation of the slide: all nearest neighbours are in it, and it needs no exact predicates.");
     Ok(())
 }
@@ -111,7 +126,13 @@ fn operators() -> [(&'static str, AnyOperator); 3] {
     ]
 }
 
-fn coarsen(workshop: &mut Workshop<'_>, subject: &Subject, input: &Mesh<3>, name: &'static str, operator: &AnyOperator) -> Result<Coarsened, LedgerError> {
+fn coarsen(
+    workshop: &mut Workshop<'_>,
+    subject: &Subject,
+    input: &Mesh<3>,
+    name: &'static str,
+    operator: &AnyOperator,
+) -> Result<Coarsened, LedgerError> {
     let replay = workshop.sequence(subject, operator)?.replay;
     let model = Hierarchy { dependency: Stored::explicit(&replay), replay: Arc::clone(&replay) };
     let mut state = State::new(&model, ());
@@ -129,7 +150,8 @@ fn coarsen(workshop: &mut Workshop<'_>, subject: &Subject, input: &Mesh<3>, name
         }
         approach(&model, &prefix(&replay, base, wanted), &mut state);
         mesh = mesh_of(&model, &state.view.mesh);
-        let apart = Surface::new(&mesh).map(|coarse| coarse.distance(&surface, Sampling { count: workshop.pick(10_000, 500), seed: 1 }));
+        let apart = Surface::new(&mesh)
+            .map(|coarse| coarse.distance(&surface, Sampling { count: workshop.pick(10_000, 500), seed: 1 }));
         let rms = apart.map_or(f64::NAN, |apart| apart.rms() / diagonal);
         at.push(Some((mesh.cell_count(), pieces(&mesh, &edges_of(&mesh)), rms)));
     }
@@ -161,7 +183,10 @@ pub(super) fn topology(workshop: &mut Workshop<'_>, _: &Published, entry: &mut E
         headings.extend([format!("#pieces at {percent} %"), format!("#RMS at {percent} %, 1e-3")]);
     }
     let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
-    let mut table = Table::new("Measured: pieces that edges connect, and distances from the input as shares of its diagonal; nothing where an operator does not come so far.", &headings);
+    let mut table = Table::new(
+        "Measured: pieces that edges connect, and distances from the input as shares of its diagonal; nothing where an operator does not come so far.",
+        &headings,
+    );
     let brush = Brush::new()?;
     let (mut further, mut connected, mut first_is_better) = (true, true, true);
     for role in &ASSEMBLIES {
@@ -175,7 +200,9 @@ pub(super) fn topology(workshop: &mut Workshop<'_>, _: &Published, entry: &mut E
             let coarsened = coarsen(workshop, subject, &whole.mesh, name, &operator)?;
             let mut row = vec![role.name.to_owned(), name.to_owned(), coarsened.base.to_string()];
             for at in &coarsened.at {
-                row.extend(at.map_or([String::new(), String::new()], |(_, pieces, rms)| [pieces.to_string(), format!("{:.2}", rms * 1e3)]));
+                row.extend(at.map_or([String::new(), String::new()], |(_, pieces, rms)| {
+                    [pieces.to_string(), format!("{:.2}", rms * 1e3)]
+                }));
             }
             table.rows.push(row);
             all.push(coarsened);
@@ -194,7 +221,12 @@ pub(super) fn topology(workshop: &mut Workshop<'_>, _: &Published, entry: &mut E
         "base meshes are in the table",
         "",
     ));
-    entry.claims.push(Claim::check("different objects are connected", connected, "an equal preference leaves fewer pieces at one per cent than the input has", ""));
+    entry.claims.push(Claim::check(
+        "different objects are connected",
+        connected,
+        "an equal preference leaves fewer pieces at one per cent than the input has",
+        "",
+    ));
     entry.claims.push(Claim::check(
         "with geometry first, topology is simplified after what keeps it",
         first_is_better,
@@ -210,11 +242,17 @@ fn kept(coarsened: &Coarsened) -> usize {
     coarsened.at[0].map_or(0, |(_, pieces, _)| pieces)
 }
 
-fn picture(entry: &mut Entry, brush: &Brush, model: &str, coarsened: &Coarsened, input: &Mesh<3>) -> Result<(), LedgerError> {
-    let (low, high) = input.bounding_box().unwrap_or_default();
-    let camera = Camera::around(low, high, Vec3::new(0.6, 0.45, 1.0));
+fn picture(
+    entry: &mut Entry,
+    brush: &Brush,
+    model: &str,
+    coarsened: &Coarsened,
+    input: &Mesh<3>,
+) -> Result<(), LedgerError> {
+    let camera = close_up(input, Vec3::new(0.6, 0.45, 1.0), Vec3::Y);
     let scene = encode(&coarsened.mesh, &Look { wireframe: true, ..Look::default() });
-    let name = format!("generalized-topology-{model}-{}.png", coarsened.name.replace([',', ' '], "-").replace("--", "-"));
+    let name =
+        format!("generalized-topology-{model}-{}.png", coarsened.name.replace([',', ' '], "-").replace("--", "-"));
     let caption = format!("{model} by {}: {} triangles", coarsened.name, coarsened.mesh.cell_count());
     entry.figures.push(brush.paint(&name, &caption, &scene, &camera)?);
     Ok(())

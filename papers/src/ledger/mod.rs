@@ -10,15 +10,15 @@
 //! are told as ratios of one run.
 
 mod entry;
-mod paint;
 mod pages;
+mod paint;
 mod published;
 mod raster;
 mod workshop;
 
 pub use entry::{Claim, Entry, Figure, Verdict};
 pub use pages::{ledger, markdown};
-pub(crate) use paint::{Brush, dual_pieces, share};
+pub(crate) use paint::{Brush, close_up, dual_pieces, share};
 pub use published::{Printed, Published, PublishedTable};
 pub use raster::Raster;
 pub use workshop::{Bare, Role, Sequenced, Shelf, Size, Subject, Workshop};

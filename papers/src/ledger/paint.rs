@@ -21,7 +21,13 @@ impl Brush {
     }
 
     /// A scene as a camera sees it.
-    pub(crate) fn paint(&self, name: &str, caption: &str, scene: &Scene, camera: &Camera) -> Result<Figure, LedgerError> {
+    pub(crate) fn paint(
+        &self,
+        name: &str,
+        caption: &str,
+        scene: &Scene,
+        camera: &Camera,
+    ) -> Result<Figure, LedgerError> {
         let camera = Camera { width_px: SIZE.0, height_px: SIZE.1, ..*camera };
         let painted = self.0.paint(scene, &camera);
         let (picture, _) = painted.map_err(|error| LedgerError::Picture(name.to_owned(), error))?;
@@ -30,8 +36,8 @@ impl Brush {
 }
 
 /// The dual pieces over an input mesh: around each vertex the part of its triangles that is nearer to it, in the colour of
-/// `piece`, and lines where two pieces meet. 7 times the triangles.
-pub(crate) fn dual_pieces(mesh: &Mesh<3>, piece: impl Fn(VertexId) -> VertexId) -> Scene {
+/// `piece`, and lines of this width where two pieces meet. 6 times the triangles.
+pub(crate) fn dual_pieces(mesh: &Mesh<3>, width_px: f32, piece: impl Fn(VertexId) -> VertexId) -> Scene {
     let (low, high) = mesh.bounding_box().unwrap_or_default();
     let origin = (low + high) * 0.5;
     let mut scene = Scene { origin, ..Scene::default() };
@@ -49,7 +55,7 @@ pub(crate) fn dual_pieces(mesh: &Mesh<3>, piece: impl Fn(VertexId) -> VertexId) 
             }
             if pieces[i] != pieces[next] {
                 let (from, to) = (after.to_array(), middle.to_array());
-                scene.segments.push(Segment { from, to, colour: BORDER, width_px: 1.2 });
+                scene.segments.push(Segment { from, to, colour: BORDER, width_px });
             }
         }
     }
@@ -58,9 +64,16 @@ pub(crate) fn dual_pieces(mesh: &Mesh<3>, piece: impl Fn(VertexId) -> VertexId) 
 
 /// A light colour that differs from one vertex to the next.
 fn colour_of(v: VertexId) -> Rgba {
-    let hash = v.0.wrapping_mul(0x9e37_79b9) ^ (v.0 >> 3).wrapping_mul(0x85eb_ca6b);
-    let channel = |shift: u32| 140 + ((hash >> shift) & 0xff) as u8 / 255 * 60 + ((hash >> shift) & 0x3f) as u8;
-    [channel(0), channel(8), channel(16), 255]
+    let hash = (v.0 ^ (v.0 >> 7)).wrapping_mul(0x9e37_79b9);
+    let channel = |shift: u32| 150 + ((hash >> shift) % 97) as u8;
+    [channel(4), channel(12), channel(20), 255]
+}
+
+/// A camera around a mesh that fills the picture.
+pub(crate) fn close_up(mesh: &Mesh<3>, from: Vec3, up: Vec3) -> Camera {
+    let (low, high) = mesh.bounding_box().unwrap_or_default();
+    let camera = Camera::around(low, high, from);
+    Camera { fov_y_degrees: camera.fov_y_degrees * 0.72, up, ..camera }
 }
 
 /// A share as a percentage of one digit.

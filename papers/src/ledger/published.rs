@@ -76,7 +76,13 @@ impl Published {
         let published: Self = serde_json::from_str(json).map_err(|error| LedgerError::Data(error.to_string()))?;
         for table in &published.tables {
             if let Some(row) = table.rows.iter().find(|row| row.len() != table.columns.len()) {
-                let what = format!("{}, {}: a row of {} cells under {} headings", published.name, table.id, row.len(), table.columns.len());
+                let what = format!(
+                    "{}, {}: a row of {} cells under {} headings",
+                    published.name,
+                    table.id,
+                    row.len(),
+                    table.columns.len()
+                );
                 return Err(LedgerError::Data(what));
             }
         }

@@ -38,7 +38,8 @@ impl Raster {
 
     /// An image by its grey values, 0 to 1, or where it has four channels a terrain in Mapbox's coding, in metres.
     pub fn from_png(bytes: &[u8]) -> Result<Self, LedgerError> {
-        let wrong = |error: &dyn std::fmt::Display| LedgerError::Data(format!("not a picture that can be read: {error}"));
+        let wrong =
+            |error: &dyn std::fmt::Display| LedgerError::Data(format!("not a picture that can be read: {error}"));
         let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
         decoder.set_transformations(png::Transformations::normalize_to_color8());
         let mut reader = decoder.read_info().map_err(|error| wrong(&error))?;

@@ -229,7 +229,11 @@ impl<'a> Workshop<'a> {
         let ended = operator
             .analyse(&subject.mesh, &Options::default(), listener, &mut |_| (self.watch)(&what, self.share))
             .map_err(|error| LedgerError::Analysis(subject.name.to_owned(), error))?;
-        if ended.stopped == Stopped::Cancelled { Err(LedgerError::Cancelled) } else { Ok(begun.elapsed().as_secs_f64()) }
+        if ended.stopped == Stopped::Cancelled {
+            Err(LedgerError::Cancelled)
+        } else {
+            Ok(begun.elapsed().as_secs_f64())
+        }
     }
 }
 

@@ -57,10 +57,22 @@ pub(super) fn budget(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Ent
     entry.models.push(subject.told());
     let budget = (subject.mesh.cell_count() / 20) as u32;
     let cameras = camera_path(&subject.mesh, workshop.pick(40, 8));
-    let caption = format!("Measured: {} frames around the field within {budget} triangles, then the last camera again and again.", cameras.len());
-    let mut table = Table::new(&caption, &[
-        "operator", "way", "#frames over", "#triangles over, most", "#nodes in vain", "#steps a still frame", "#steps a frame",
-    ]);
+    let caption = format!(
+        "Measured: {} frames around the field within {budget} triangles, then the last camera again and again.",
+        cameras.len()
+    );
+    let mut table = Table::new(
+        &caption,
+        &[
+            "operator",
+            "way",
+            "#frames over",
+            "#triangles over, most",
+            "#nodes in vain",
+            "#steps a still frame",
+            "#steps a frame",
+        ],
+    );
     let (mut slides_over, mut slides_restless, mut ours_over, mut ours_restless) = (0, 0.0f64, 0, 0.0f64);
     for operator in [collapse(), AnyOperator::FanMerge(FanMerge::PARTIAL)] {
         let model = workshop.explicit(&subject, &operator)?;

@@ -1,14 +1,15 @@
 //! The three criteria of the slides on cells of a field, and both ways of answering a query that moves.
 
 use super::{FIELD, collapse};
-use crate::ledger::{Claim, Entry, Figure, LedgerError, Published, Workshop, Brush, share};
+use crate::ledger::{Brush, Claim, Entry, Figure, LedgerError, Published, Workshop, close_up, share};
 use crate::table::Table;
 use glam::Vec3;
 use mt_core::model::mesh_of;
-use mt_core::{Camera, Explicit, Mesh};
+use mt_core::{Explicit, Mesh};
 use render::{Look, encode};
 use selective::{
-    CellCriterion, CellView, ErrorBelow, Focus, InRegion, Limits, Region, State, Strategy, adapt, extract, extract_exact,
+    CellCriterion, CellView, ErrorBelow, Focus, InRegion, Limits, Region, State, Strategy, adapt, extract,
+    extract_exact,
 };
 
 /// An error where the field takes a value, anything elsewhere.
@@ -19,7 +20,8 @@ struct AtValue {
 
 impl CellCriterion<3> for AtValue {
     fn holds(&self, cell: &CellView<3>) -> bool {
-        let (low, high) = cell.corners.iter().fold((f32::MAX, f32::MIN), |(low, high), p| (low.min(p.y), high.max(p.y)));
+        let (low, high) =
+            cell.corners.iter().fold((f32::MAX, f32::MIN), |(low, high), p| (low.min(p.y), high.max(p.y)));
         !(low..=high).contains(&self.value) || cell.error <= self.error_max
     }
 }
@@ -38,7 +40,11 @@ fn window(mesh: &Mesh<3>, at: f32) -> Region {
     Region { low: Vec3::new(corner.x, low.y, corner.z), high: Vec3::new(corner.x + side.x, high.y, corner.z + side.z) }
 }
 
-pub(super) fn criteria(workshop: &mut Workshop<'_>, published: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
+pub(super) fn criteria(
+    workshop: &mut Workshop<'_>,
+    published: &Published,
+    entry: &mut Entry,
+) -> Result<(), LedgerError> {
     let subject = workshop.subject(&FIELD)?;
     entry.models.push(subject.told());
     let model = workshop.explicit(&subject, &collapse())?;
@@ -57,12 +63,25 @@ pub(super) fn criteria(workshop: &mut Workshop<'_>, published: &Published, entry
     ];
     let whole = subject.mesh.cell_count() as f64;
     let fine = meshes[1].2.cell_count() as f64;
-    let mut table = Table::new("Measured: cells are judged one by one, and the mesh is the least that satisfies the criterion.", &[
-        "criterion", "#error there, % of the range", "#triangles", "#of the reference mesh", "#of the uniform mesh of 0.1 %",
-    ]);
+    let mut table = Table::new(
+        "Measured: cells are judged one by one, and the mesh is the least that satisfies the criterion.",
+        &[
+            "criterion",
+            "#error there, % of the range",
+            "#triangles",
+            "#of the reference mesh",
+            "#of the uniform mesh of 0.1 %",
+        ],
+    );
     for (name, percent, mesh) in &meshes {
         let count = mesh.cell_count() as f64;
-        table.row([(*name).to_owned(), (*percent).to_owned(), format!("{count}"), share(count, whole), share(count, fine)]);
+        table.row([
+            (*name).to_owned(),
+            (*percent).to_owned(),
+            format!("{count}"),
+            share(count, whole),
+            share(count, fine),
+        ]);
     }
     entry.measured.push(table);
     let of_fine = |i: usize| 100.0 * meshes[i].2.cell_count() as f64 / fine;
@@ -71,24 +90,39 @@ pub(super) fn criteria(workshop: &mut Workshop<'_>, published: &Published, entry
     entry.claims.push(Claim::check(
         "a uniform error of 0.5 % of the range takes less than half of the reference mesh",
         (meshes[0].2.cell_count() as f64) < 0.5 * whole,
-        format!("{:.1} %, {} % printed; a terrain where the slide has a volume", 100.0 * meshes[0].2.cell_count() as f64 / whole, number("uniform")),
+        format!(
+            "{:.1} %, {} % printed; a terrain where the slide has a volume",
+            100.0 * meshes[0].2.cell_count() as f64 / whole,
+            number("uniform")
+        ),
         "",
     ));
     entry.claims.push(Claim::check(
         "detail in a region or at a field value is a fraction of the uniform mesh, a region less than a value",
         of_fine(2) < of_fine(4) && of_fine(4) < 100.0,
-        format!("{:.1} % and {:.1} %; {} % and {} % printed", of_fine(2), of_fine(4), number("region"), number("field value")),
+        format!(
+            "{:.1} % and {:.1} %; {} % and {} % printed",
+            of_fine(2),
+            of_fine(4),
+            number("region"),
+            number("field value")
+        ),
         "how much of the field takes the value depends on the field",
     ));
     let brush = Brush::new()?;
-    let (below, above) = subject.mesh.bounding_box().unwrap_or_default();
-    let camera = Camera::around(below, above, Vec3::new(0.0, 1.0, 0.55));
+    let camera = close_up(&subject.mesh, Vec3::new(0.0, 1.0, 0.55), Vec3::Y);
     for (i, name) in [(1, "uniform"), (2, "region"), (4, "value")] {
         let (told, _, mesh) = &meshes[i];
         let scene = encode(mesh, &Look { wireframe: true, ..Look::default() });
-        let figure: Figure = brush.paint(&format!("multi-tessellation-criteria-{name}.png"), &format!("{told}: {} triangles", mesh.cell_count()), &scene, &camera)?;
+        let figure: Figure = brush.paint(
+            &format!("multi-tessellation-criteria-{name}.png"),
+            &format!("{told}: {} triangles", mesh.cell_count()),
+            &scene,
+            &camera,
+        )?;
         entry.figures.push(figure);
     }
+    entry.note("Strict: a cell counts as in the region where its bounding box meets it. Loose, the slides' definition: where the largest threshold over the cell is that of the region, so where all of the cell is inside; large cells never are, and nothing is asked of them.");
     entry.note("The slides have fields over tetrahedra; ours is over a plane until there is an operator for tetrahedra. The box and the value of the slides are not given.");
     Ok(())
 }
@@ -119,7 +153,10 @@ pub(super) fn strategies(workshop: &mut Workshop<'_>, _: &Published, entry: &mut
         }
         largest = largest.max(state.front().len());
     }
-    let mut table = Table::new("Measured: a region of a sixteenth of the field that moves across it.", &["#frames", "#steps a frame, top-down", "#steps a frame, incremental", "#equal fronts", "#largest front"]);
+    let mut table = Table::new(
+        "Measured: a region of a sixteenth of the field that moves across it.",
+        &["#frames", "#steps a frame, top-down", "#steps a frame, incremental", "#equal fronts", "#largest front"],
+    );
     let mean = |sum: u64| format!("{:.1}", sum as f64 / f64::from(frames - 1));
     table.row([frames.to_string(), mean(fresh_steps), mean(steps), equal.to_string(), largest.to_string()]);
     entry.measured.push(table);

@@ -31,15 +31,26 @@ pub(super) fn interruption(workshop: &mut Workshop<'_>, _: &Published, entry: &m
     let all = (0..model.len()).map(|m| model.bound(NodeId(m)).error).fold(0.0, f32::max);
     let percent = |error: f32| 100.0 * f64::from(error) / f64::from(all.max(f32::MIN_POSITIVE));
     let at = |curve: &[f32], share: f64| percent(curve[(share * 0.01 * (curve.len() - 1) as f64) as usize]);
-    let mut table = Table::new("Measured: the largest error left, as a share of that of the base mesh.", &["#modifications made, %", "#by priority, %", "#depth first, %"]);
+    let mut table = Table::new(
+        "Measured: the largest error left, as a share of that of the base mesh.",
+        &["#modifications made, %", "#by priority, %", "#depth first, %"],
+    );
     for share in AT {
-        table.row([format!("{share}"), format!("{:.4}", at(&priority, share)), format!("{:.4}", at(&depth_first, share))]);
+        table.row([
+            format!("{share}"),
+            format!("{:.4}", at(&priority, share)),
+            format!("{:.4}", at(&depth_first, share)),
+        ]);
     }
     entry.measured.push(table);
     entry.claims.push(Claim::check(
         "by priority, intermediate steps are approximations of the result",
         priority.windows(2).all(|pair| pair[1] <= pair[0]) && at(&priority, 10.0) < 0.5 * at(&depth_first, 10.0),
-        format!("after a tenth of the modifications {:.2} % of the error is left by priority, {:.2} % depth first", at(&priority, 10.0), at(&depth_first, 10.0)),
+        format!(
+            "after a tenth of the modifications {:.2} % of the error is left by priority, {:.2} % depth first",
+            at(&priority, 10.0),
+            at(&depth_first, 10.0)
+        ),
         "on a model this small depth first comes by the large errors as early",
     ));
     let series = |name: &str, curve: &[f32]| {

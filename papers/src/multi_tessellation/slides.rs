@@ -39,7 +39,8 @@ pub(super) fn contraction<const N: usize, M: MultiTessellation<N>>(
         model.obstacles(m, &state.view, &mut scratch) == Coarsen::Now
     };
     let leaves: Vec<NodeId> = state.front().finest_first().filter(|&m| is_leaf(m, state)).collect();
-    let mut queue: BinaryHeap<Reverse<(Key, NodeId)>> = leaves.into_iter().map(|m| Reverse((Key(excess(m)), m))).collect();
+    let mut queue: BinaryHeap<Reverse<(Key, NodeId)>> =
+        leaves.into_iter().map(|m| Reverse((Key(excess(m)), m))).collect();
     let mut parents = Vec::new();
     while let Some(&Reverse((least, m))) = queue.peek() {
         if state.cell_count(model) <= budget && least.0 > 0.0 {
@@ -92,7 +93,12 @@ pub(super) fn expansion<const N: usize, M: MultiTessellation<N>>(
         in_vain += if state.front().is_refined(m) { 0 } else { added.len() as u32 };
         let mut children = Vec::new();
         added.iter().for_each(|&m| model.children(m, &mut children));
-        queue.extend(children.into_iter().filter(|&m| !state.front().is_refined(m) && excess(m) > 0.0).map(|m| (Key(excess(m)), m)));
+        queue.extend(
+            children
+                .into_iter()
+                .filter(|&m| !state.front().is_refined(m) && excess(m) > 0.0)
+                .map(|m| (Key(excess(m)), m)),
+        );
     }
     in_vain
 }

@@ -30,8 +30,7 @@ pub(super) fn run(workshop: &mut Workshop<'_>, published: &Published, entry: &mu
         "two models of one size, under three schemes each: one column is a copy. The cow of the time has 2904 vertices (`strips`, its Table 1), so it is Horse's that are right",
         "",
     ));
-    let horse = column(workshop, "Horse")?;
-    let wished = horse.wished(workshop)?;
+    let (horse, wished) = column(workshop, "Horse", 0.5)?;
     let (mut folds, mut some) = (Vec::new(), false);
     for (name, scheme) in SCHEMES {
         let (model, state) = wished.state(scheme)?;

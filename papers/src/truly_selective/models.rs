@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 /// A difference from black to white is worth this share of the diagonal of an image.
 const GREY_WEIGHT: f64 = 0.1;
-/// The share of the pixels that are feature points: the strongest answers of the mask.
-const FEATURE_SHARE: f64 = 0.2;
+/// Times that an interval is halved to find a camera or a threshold.
+const HALVINGS: u32 = 14;
 
 /// The criterion of a column.
 pub(super) enum Asked {
@@ -35,7 +35,6 @@ pub(super) struct Image {
 /// A column of Table 2.
 pub(super) struct Column {
     pub(super) subject: Arc<Subject>,
-    pub(super) operator: AnyOperator,
     pub(super) asked: Asked,
 }
 
@@ -45,9 +44,24 @@ pub(super) const NAMES: [&str; 8] = ["Lena", "Female", "Terrain1", "Terrain2", "
 const IMAGES: [(&str, [usize; 4]); 2] = [("Lena", [160, 70, 128, 128]), ("Female", [340, 110, 128, 86])];
 
 const TERRAINS: [Role; 3] = [
-    Role { name: "Terrain1", file: "terrain/gcanyon.png", part: Some([500, 500, 173, 173]), stand_in: |size| hills(size, 1) },
-    Role { name: "Terrain2", file: "terrain/fuji.png", part: Some([170, 170, 173, 173]), stand_in: |size| hills(size, 2) },
-    Role { name: "Terrain3", file: "terrain/N42E001.hgt", part: Some([600, 300, 173, 173]), stand_in: |size| hills(size, 3) },
+    Role {
+        name: "Terrain1",
+        file: "terrain/gcanyon.png",
+        part: Some([500, 500, 173, 173]),
+        stand_in: |size| hills(size, 1),
+    },
+    Role {
+        name: "Terrain2",
+        file: "terrain/fuji.png",
+        part: Some([170, 170, 173, 173]),
+        stand_in: |size| hills(size, 2),
+    },
+    Role {
+        name: "Terrain3",
+        file: "terrain/N42E001.hgt",
+        part: Some([600, 300, 173, 173]),
+        stand_in: |size| hills(size, 3),
+    },
 ];
 
 fn hills(size: Size, seed: u64) -> Mesh<3> {
@@ -78,41 +92,75 @@ pub(super) fn quadric() -> AnyOperator {
     AnyOperator::EdgeCollapse(EdgeCollapse::FULL.with(AnyMetric::Quadric(Quadrics)))
 }
 
-/// A column by its name.
-pub(super) fn column(workshop: &mut Workshop<'_>, name: &str) -> Result<Column, LedgerError> {
+/// A column by its name, and what it asks of its sequence. How much is asked for, by the angle of a camera or the number
+/// of feature points, is set so that the wish has about the share of the vertices that the paper's answer has.
+pub(super) fn column(workshop: &mut Workshop<'_>, name: &str, share: f64) -> Result<(Column, Wished), LedgerError> {
     if let Some((name, part)) = IMAGES.into_iter().find(|(other, _)| *other == name) {
-        return image(workshop, name, part);
+        return image(workshop, name, part, share);
     }
-    let terrain = TERRAINS.iter().position(|role| role.name == name);
-    if let Some(i) = terrain {
-        let subject = workshop.subject(&TERRAINS[i])?;
-        // A wide look, a narrow one, and one in between, as the printed shares are.
-        let camera = over(&subject.mesh, [60.0, 16.0, 36.0][i], [0.05, 0.25, 0.1][i]);
-        return Ok(Column { subject, operator: quadric(), asked: Asked::InView(camera) });
-    }
-    let (role, from, away) = match name {
-        "Cow" => (&COW, Vec3::new(0.5, 0.2, 1.0), 1.0),
-        "Horse" => (&HORSE, Vec3::new(1.0, 0.2, 0.6), 1.0),
-        _ => (&BUNNY, Vec3::new(-0.25, 0.25, 1.0), 0.35),
-    };
+    let terrain = TERRAINS.iter().find(|role| role.name == name);
+    let role = terrain.unwrap_or(match name {
+        "Cow" => &COW,
+        "Horse" => &HORSE,
+        _ => &BUNNY,
+    });
     let subject = workshop.subject(role)?;
-    let camera = near(&subject.mesh, from, away);
-    Ok(Column { subject, operator: quadric(), asked: Asked::Facing(camera) })
+    let replay = workshop.sequence(&subject, &quadric())?.replay;
+    let asked = |fov_y_degrees: f32| match (terrain, name) {
+        (Some(_), _) => Asked::InView(over(&subject.mesh, fov_y_degrees)),
+        (None, "Cow") => {
+            Asked::Facing(near(&subject.mesh, Vec3::new(0.5, 0.2, 1.0), Vec3::ZERO, Vec3::Y, fov_y_degrees))
+        }
+        (None, "Horse") => {
+            Asked::Facing(near(&subject.mesh, Vec3::new(1.0, 0.3, 0.2), Vec3::ZERO, Vec3::Z, fov_y_degrees))
+        }
+        _ => Asked::Facing(near(
+            &subject.mesh,
+            Vec3::new(-0.4, 0.15, 1.0),
+            Vec3::new(-0.25, 0.1, 0.2),
+            Vec3::Y,
+            fov_y_degrees,
+        )),
+    };
+    let wished = |fov: f32| Wished::new(Arc::clone(&replay), asked(fov).nodes(&replay));
+    let fov = halve(1.0, 120.0, |fov| wished(fov).share() < share);
+    let column = Column { subject: Arc::clone(&subject), asked: asked(fov) };
+    Ok((column, wished(fov)))
 }
 
-fn image(workshop: &mut Workshop<'_>, name: &'static str, part: [usize; 4]) -> Result<Column, LedgerError> {
+/// Where something stops being too small, between two bounds.
+fn halve(mut low: f32, mut high: f32, is_small: impl Fn(f32) -> bool) -> f32 {
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if is_small(middle) { low = middle } else { high = middle }
+    }
+    high
+}
+
+fn image(
+    workshop: &mut Workshop<'_>,
+    name: &'static str,
+    part: [usize; 4],
+    share: f64,
+) -> Result<(Column, Wished), LedgerError> {
     let [_, _, width, height] = part;
     let (width, height) = workshop.pick((width, height), (24, 20));
     let (raster, from) = workshop.raster("images/camera.png", Some(part), || rings(width, height))?;
     let mut strength: Vec<(f32, usize)> = raster.sobel().into_iter().enumerate().map(|(i, s)| (s, i)).collect();
     strength.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    let count = (strength.len() as f64 * FEATURE_SHARE) as usize;
-    let features = strength[..count].iter().map(|&(_, i)| VertexId::new(i)).collect();
     let grey: Arc<[[f32; 3]]> = raster.values.iter().map(|&grey| [grey, 0.0, 0.0]).collect();
     let metric = QuadricAttributes { attributes: Some(grey), weight: GREY_WEIGHT };
     let operator = AnyOperator::EdgeCollapse(EdgeCollapse::FULL.with(AnyMetric::QuadricAttributes(metric)));
     let subject = Arc::new(Subject { name, from: format!("{from}, grey"), mesh: raster.plane() });
-    Ok(Column { subject, operator, asked: Asked::Features(Image { raster, features }) })
+    let replay = workshop.sequence(&subject, &operator)?.replay;
+    let features = |part: f32| -> Vec<VertexId> {
+        let count = (strength.len() as f32 * part) as usize;
+        strength[..count].iter().map(|&(_, i)| VertexId::new(i)).collect()
+    };
+    let wished = |part: f32| Wished::new(Arc::clone(&replay), above(&replay, &features(part)));
+    let part = halve(0.0, 1.0, |part| wished(part).share() < share);
+    let column = Column { subject, asked: Asked::Features(Image { raster, features: features(part) }) };
+    Ok((column, wished(part)))
 }
 
 /// Rings around a corner and a bar: edges of all directions.
@@ -123,39 +171,43 @@ fn rings(width: usize, height: usize) -> Raster {
     })
 }
 
-/// A camera at the south side of a terrain, looking north and down. `from` is how far inside it stands.
-fn over(mesh: &Mesh<3>, fov_y_degrees: f32, from: f32) -> Camera {
+/// A camera at the south side of a terrain, looking north and down.
+fn over(mesh: &Mesh<3>, fov_y_degrees: f32) -> Camera {
     let (low, high) = mesh.bounding_box().unwrap_or_default();
     let (middle, side) = ((low + high) * 0.5, high - low);
-    let eye = Vec3::new(middle.x, high.y + 0.1 * side.x, high.z - from * side.z);
-    Camera {
-        eye,
-        target: Vec3::new(middle.x, low.y, middle.z - 0.2 * side.z),
-        up: Vec3::Y,
-        fov_y_degrees,
-        near: side.x * 0.01,
-        far: side.x * 3.0,
-        width_px: 800,
-        height_px: 600,
-    }
+    let eye = Vec3::new(middle.x, high.y + 0.1 * side.x, high.z - 0.1 * side.z);
+    let target = Vec3::new(middle.x, low.y, middle.z - 0.2 * side.z);
+    Camera { eye, target, fov_y_degrees, near: side.x * 0.01, far: side.x * 3.0, ..VIEW }
 }
 
-/// A camera around a mesh; a share below 1 comes nearer and looks at what is up there.
-fn near(mesh: &Mesh<3>, from: Vec3, away: f32) -> Camera {
+/// A camera around a mesh that looks at a place off its middle, in sides of its box.
+fn near(mesh: &Mesh<3>, from: Vec3, off: Vec3, up: Vec3, fov_y_degrees: f32) -> Camera {
     let (low, high) = mesh.bounding_box().unwrap_or_default();
     let camera = Camera::around(low, high, from);
-    let head = camera.target + Vec3::new(-0.12, 0.28, 0.1) * (high - low) * f32::from(u8::from(away < 1.0));
-    let eye = head + (camera.eye - camera.target) * away;
-    Camera { eye, target: head, width_px: 800, height_px: 600, ..camera }
+    let off = off * (high - low);
+    Camera {
+        eye: camera.eye + off,
+        target: camera.target + off,
+        up,
+        fov_y_degrees,
+        near: camera.near,
+        far: camera.far,
+        ..VIEW
+    }
 }
 
-impl Column {
-    /// The sequence and the wish on it.
-    pub(super) fn wished(&self, workshop: &mut Workshop<'_>) -> Result<Wished, LedgerError> {
-        let replay = workshop.sequence(&self.subject, &self.operator)?.replay;
-        Ok(Wished::new(Arc::clone(&replay), self.asked.nodes(&replay)))
-    }
+const VIEW: Camera = Camera {
+    eye: Vec3::ZERO,
+    target: Vec3::NEG_Z,
+    up: Vec3::Y,
+    fov_y_degrees: 45.0,
+    near: 0.1,
+    far: 100.0,
+    width_px: 800,
+    height_px: 600,
+};
 
+impl Column {
     /// The camera, where there is one.
     pub(super) fn camera(&self) -> Option<&Camera> {
         match &self.asked {

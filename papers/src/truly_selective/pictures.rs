@@ -1,8 +1,9 @@
 //! Figures 4 and 8 to 11: meshes, what the camera saw, and the dual pieces over the input.
 
 use super::models::{Asked, Column, HORSE, asking, column, quadric};
+use super::table_2::printed_share;
 use super::wish::{SCHEMES, Wished};
-use crate::ledger::{Brush, Claim, Entry, Figure, LedgerError, Published, Workshop, dual_pieces};
+use crate::ledger::{Brush, Claim, Entry, Figure, LedgerError, Published, Workshop, close_up, dual_pieces};
 use glam::Vec3;
 use mt_core::check;
 use mt_core::model::mesh_of;
@@ -24,19 +25,16 @@ fn mesh(wished: &Wished, scheme: Scheme) -> Result<(Mesh<3>, Front), LedgerError
 /// The dual pieces of a front over the input.
 fn pieces(replay: &Replay, front: &Front) -> Scene {
     let above = check::active_ancestors(replay, front);
-    dual_pieces(&replay.reference(), |v| above[v.index()])
-}
-
-fn around(mesh: &Mesh<3>, from: Vec3) -> Camera {
-    let (low, high) = mesh.bounding_box().unwrap_or_default();
-    Camera::around(low, high, from)
+    // Lines as wide as pieces would hide them.
+    let width_px = if front.len() > 1000 { 0.5 } else { 1.2 };
+    dual_pieces(&replay.reference(), width_px, |v| above[v.index()])
 }
 
 pub(super) fn figure_4(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
     let subject = workshop.subject(&HORSE)?;
     entry.models.push(subject.told());
     let replay = workshop.sequence(&subject, &quadric())?.replay;
-    let (brush, camera) = (Brush::new()?, around(&subject.mesh, Vec3::new(1.0, 0.25, 0.5)));
+    let (brush, camera) = (Brush::new()?, close_up(&subject.mesh, Vec3::new(1.0, 0.35, 0.2), Vec3::Z));
     let mut whole = true;
     for vertices in [2000, 400, 80] {
         // The coarsest nodes come last by rank, so a tail of the ranks is closed under every order.
@@ -47,7 +45,8 @@ pub(super) fn figure_4(workshop: &mut Workshop<'_>, _: &Published, entry: &mut E
         let name = |part: &str| format!("truly-selective-figure-4-{vertices}{part}.png");
         let told = format!("{} at {} triangles", subject.name, mesh.cell_count());
         entry.figures.push(brush.paint(&name("a"), &told, &encode(&mesh, &WIRE), &camera)?);
-        let caption = format!("the dual pieces of its vertices over the input of {} triangles", subject.mesh.cell_count());
+        let caption =
+            format!("the dual pieces of its vertices over the input of {} triangles", subject.mesh.cell_count());
         entry.figures.push(brush.paint(&name("b"), &caption, &pieces(&replay, &front), &camera)?);
     }
     entry.claims.push(Claim::check(
@@ -59,9 +58,12 @@ pub(super) fn figure_4(workshop: &mut Workshop<'_>, _: &Published, entry: &mut E
     Ok(())
 }
 
-pub(super) fn figure_8(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
-    let column = column(workshop, "Terrain1")?;
-    let wished = column.wished(workshop)?;
+pub(super) fn figure_8(
+    workshop: &mut Workshop<'_>,
+    published: &Published,
+    entry: &mut Entry,
+) -> Result<(), LedgerError> {
+    let (column, wished) = column(workshop, "Terrain1", printed_share(published, "Terrain1")?)?;
     entry.models.push(column.subject.told());
     let Some(camera) = column.camera() else { return Ok(()) };
     let brush = Brush::new()?;
@@ -93,12 +95,15 @@ pub(super) fn figure_8(workshop: &mut Workshop<'_>, _: &Published, entry: &mut E
 
 /// A camera above a terrain.
 fn above(mesh: &Mesh<3>) -> Camera {
-    around(mesh, Vec3::new(0.0, 1.0, 0.55))
+    close_up(mesh, Vec3::new(0.0, 1.0, 0.55), Vec3::Y)
 }
 
-pub(super) fn figure_9(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
-    let column = column(workshop, "Lena")?;
-    let wished = column.wished(workshop)?;
+pub(super) fn figure_9(
+    workshop: &mut Workshop<'_>,
+    published: &Published,
+    entry: &mut Entry,
+) -> Result<(), LedgerError> {
+    let (column, wished) = column(workshop, "Lena", printed_share(published, "Lena")?)?;
     entry.models.push(column.subject.told());
     let Asked::Features(image) = &column.asked else { return Ok(()) };
     let brush = Brush::new()?;
@@ -120,7 +125,12 @@ pub(super) fn figure_9(workshop: &mut Workshop<'_>, _: &Published, entry: &mut E
         let (mesh, _) = mesh(&wished, scheme)?;
         let told = format!("{name}: {} triangles", mesh.cell_count());
         let paint = |suffix: &str, what: &str, scene: &Scene| -> Result<Figure, LedgerError> {
-            brush.paint(&format!("truly-selective-figure-9{part}{suffix}.png"), &format!("{told}, {what}"), scene, &camera)
+            brush.paint(
+                &format!("truly-selective-figure-9{part}{suffix}.png"),
+                &format!("{told}, {what}"),
+                scene,
+                &camera,
+            )
         };
         entry.figures.push(paint("", "shaded", &gouraud(&mesh, grey))?);
         bottom.push(paint("-mesh", "its mesh", &encode(&mesh, &WIRE))?);
@@ -143,31 +153,43 @@ fn flat(column: &Column) -> Camera {
     Camera { up: -Vec3::Z, fov_y_degrees: 30.0, ..Camera::around(low, high, Vec3::Y) }
 }
 
-/// A mesh whose corners have the colours of their places, without light.
+/// A mesh whose corners have the colours of their places.
 fn gouraud(mesh: &Mesh<3>, colour: impl Fn(Vec3) -> render::Rgba) -> Scene {
     let mut scene = encode(mesh, &Look::default());
     let origin = scene.origin;
-    for Corner { position, normal, colour: own } in &mut scene.corners {
+    for Corner { position, colour: own, .. } in &mut scene.corners {
         *own = colour(Vec3::from_array(*position) + origin);
-        *normal = [0.0; 3];
     }
     scene
 }
 
-pub(super) fn figure_10(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
-    let column = column(workshop, "Bunny")?;
-    let wished = column.wished(workshop)?;
+pub(super) fn figure_10(
+    workshop: &mut Workshop<'_>,
+    published: &Published,
+    entry: &mut Entry,
+) -> Result<(), LedgerError> {
+    let (column, wished) = column(workshop, "Bunny", printed_share(published, "Bunny")?)?;
     entry.models.push(column.subject.told());
     let Some(camera) = column.camera() else { return Ok(()) };
     let (mesh, front) = mesh(&wished, Scheme::DualPiece)?;
     let brush = Brush::new()?;
     let (low, high) = column.subject.mesh.bounding_box().unwrap_or_default();
     let told = format!("{} of {} triangles", mesh.cell_count(), column.subject.mesh.cell_count());
-    let near = brush.paint("truly-selective-figure-10a.png", &format!("{told}, as the camera sees it"), &encode(&mesh, &WIRE), camera)?;
+    let near = brush.paint(
+        "truly-selective-figure-10a.png",
+        &format!("{told}, as the camera sees it"),
+        &encode(&mesh, &WIRE),
+        camera,
+    )?;
     let mut scene = encode(&mesh, &WIRE);
     scene.add_frustum(camera, low, high);
     let view = outside(camera, low, high);
-    let far = brush.paint("truly-selective-figure-10b.png", &format!("{told}, from outside with the frustum"), &scene, &view)?;
+    let far = brush.paint(
+        "truly-selective-figure-10b.png",
+        &format!("{told}, from outside with the frustum"),
+        &scene,
+        &view,
+    )?;
     let mut scene = pieces(&wished.replay, &front);
     scene.add_frustum(camera, low, high);
     let dual = brush.paint("truly-selective-figure-10c.png", "its dual pieces over the input", &scene, &view)?;
@@ -185,13 +207,13 @@ pub(super) fn figure_11(workshop: &mut Workshop<'_>, _: &Published, entry: &mut 
     let subject = workshop.subject(&HORSE)?;
     entry.models.push(subject.told());
     let replay = workshop.sequence(&subject, &quadric())?.replay;
-    let camera = around(&subject.mesh, Vec3::new(1.0, 0.1, 0.15));
+    let camera = close_up(&subject.mesh, Vec3::new(1.0, 0.15, 0.1), Vec3::Z);
     let outline = Silhouette::new(&camera, 1.0, 1.0);
     let wished = Wished::new(Arc::clone(&replay), asking(&replay, |bound| outline.is_outline(bound)));
     let (mesh, front) = mesh(&wished, Scheme::DualPiece)?;
     let brush = Brush::new()?;
     let told = format!("{} of {} triangles", mesh.cell_count(), subject.mesh.cell_count());
-    let turned = around(&subject.mesh, Vec3::new(0.25, 0.25, 1.0));
+    let turned = close_up(&subject.mesh, Vec3::new(0.6, 1.0, 0.4), Vec3::Z);
     let paint = |part: &str, what: &str, scene: &Scene, camera: &Camera| {
         brush.paint(&format!("truly-selective-figure-11{part}.png"), &format!("{told}; {what}"), scene, camera)
     };

@@ -116,11 +116,17 @@ pub(super) fn times(workshop: &mut Workshop<'_>, published: &Published, entry: &
     let printed = published.table("times")?;
     let number = |row| printed.number(row, "ms").unwrap_or(f64::NAN);
     let [split, collapse] = [steps.refine_per_s, steps.coarsen_per_s].map(|rate| 1e3 / rate);
-    let mut table = Table::new("Measured: dual pieces, all nodes refined and coarsened again by rank, tests included; the best of three.", &[
-        "transformation", "#ms", "#printed, ms", "#times faster",
-    ]);
+    let mut table = Table::new(
+        "Measured: dual pieces, all nodes refined and coarsened again by rank, tests included; the best of three.",
+        &["transformation", "#ms", "#printed, ms", "#times faster"],
+    );
     for (name, ms) in [("vsplit", split), ("ecol", collapse)] {
-        table.row([name.to_owned(), format!("{ms:.6}"), format!("{}", number(name)), format!("{:.0}", number(name) / ms)]);
+        table.row([
+            name.to_owned(),
+            format!("{ms:.6}"),
+            format!("{}", number(name)),
+            format!("{:.0}", number(name) / ms),
+        ]);
     }
     entry.measured.push(table);
     entry.claims.push(Claim::check(

@@ -17,11 +17,22 @@ struct Row {
     folds: [u32; 3],
 }
 
-fn measure(workshop: &mut Workshop<'_>, entry: &mut Entry, name: &'static str) -> Result<Row, LedgerError> {
-    let column = column(workshop, name)?;
+/// The share of the input's vertices that the paper's answer has.
+pub(super) fn printed_share(published: &Published, name: &str) -> Result<f64, LedgerError> {
+    let table = published.table("table-2")?;
+    let number = |heading| table.number(name, heading).unwrap_or(f64::NAN);
+    Ok(number("ours V") / number("input V"))
+}
+
+fn measure(
+    workshop: &mut Workshop<'_>,
+    published: &Published,
+    entry: &mut Entry,
+    name: &'static str,
+) -> Result<Row, LedgerError> {
+    let (column, wished) = column(workshop, name, printed_share(published, name)?)?;
     workshop.go_on(name)?;
     entry.models.push(column.subject.told());
-    let wished = column.wished(workshop)?;
     let (mut fronts, mut folds) = (Vec::new(), [0; 3]);
     for (i, (_, scheme)) in SCHEMES.into_iter().enumerate() {
         let (model, state) = wished.state(scheme)?;
@@ -41,17 +52,33 @@ fn measure(workshop: &mut Workshop<'_>, entry: &mut Entry, name: &'static str) -
     })
 }
 
-pub(super) fn table_2(workshop: &mut Workshop<'_>, published: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
+pub(super) fn table_2(
+    workshop: &mut Workshop<'_>,
+    published: &Published,
+    entry: &mut Entry,
+) -> Result<(), LedgerError> {
     let mut rows = Vec::new();
     for name in NAMES {
-        rows.push(measure(workshop, entry, name)?);
+        rows.push(measure(workshop, published, entry, name)?);
     }
     let mut sizes = Table::new(
         "Measured: vertices and triangles of the input, of the wish if nothing had to be forced, and under each scheme; \
          degenerate cases are the splits that dual pieces force; folds are edges whose triangles look at each other.",
         &[
-            "model", "#input V", "#input F", "#wish V", "#Xia V", "#Xia F", "#Hoppe V", "#Hoppe F", "#ours V", "#ours F",
-            "#ours DC", "#folds Xia", "#folds Hoppe", "#folds ours",
+            "model",
+            "#input V",
+            "#input F",
+            "#wish V",
+            "#Xia V",
+            "#Xia F",
+            "#Hoppe V",
+            "#Hoppe F",
+            "#ours V",
+            "#ours F",
+            "#ours DC",
+            "#folds Xia",
+            "#folds Hoppe",
+            "#folds ours",
         ],
     );
     for row in &rows {
@@ -62,9 +89,20 @@ pub(super) fn table_2(workshop: &mut Workshop<'_>, published: &Published, entry:
     }
     entry.measured.push(sizes);
     let printed = published.table("table-2")?;
-    let mut ratios = Table::new("Vertices by those of dual pieces, ours and as printed; and the share of the input.", &[
-        "model", "#Xia / ours", "#printed", "#Hoppe / ours", "#printed", "#ours, % of input", "#printed", "#DC, % of ours", "#printed",
-    ]);
+    let mut ratios = Table::new(
+        "Vertices by those of dual pieces, ours and as printed; and the share of the input.",
+        &[
+            "model",
+            "#Xia / ours",
+            "#printed",
+            "#Hoppe / ours",
+            "#printed",
+            "#ours, % of input",
+            "#printed",
+            "#DC, % of ours",
+            "#printed",
+        ],
+    );
     for row in &rows {
         let number = |heading| printed.number(row.name, heading).unwrap_or(f64::NAN);
         let [xia, hoppe, ours] = row.schemes.map(|sizes| sizes.vertices as f64);
@@ -82,7 +120,7 @@ pub(super) fn table_2(workshop: &mut Workshop<'_>, published: &Published, entry:
     }
     entry.measured.push(ratios);
     claims(entry, &rows);
-    entry.note("Cameras, thresholds and models of the paper are not given: ours are chosen for like shares of the input. Feature points are the strongest fifth of the Sobel mask; grey values are an attribute of the quadric.");
+    entry.note("Cameras, thresholds and models of the paper are not given: the angle of our cameras and the number of feature points are set so that dual pieces have the share of the input that they have in print. Feature points are the strongest of the Sobel mask; grey values are an attribute of the quadric.");
     entry.note("What is wished is the same set of nodes for all schemes, with their parents. Frusta are asked of the spheres of nodes, which reach further than their vertices.");
     Ok(())
 }
@@ -100,12 +138,16 @@ fn claims(entry: &mut Entry, rows: &[Row]) {
         "",
     ));
     let share = |row: &Row| f64::from(row.degenerate) / row.schemes[2].vertices.max(1) as f64;
-    let most = rows.iter().map(share).fold(0.0, f64::max);
+    let (least, most) = rows.iter().map(share).fold((f64::MAX, 0.0f64), |(low, high), x| (low.min(x), high.max(x)));
     entry.claims.push(Claim::check(
-        "additional splits are few: 0.1 to 0.6 % of the vertices",
-        most < 0.02,
-        format!("at most {:.2} % of the vertices", 100.0 * most),
-        "wishes with long borders meet more coinciding cut vertices",
+        "additional splits are few (0.1 to 0.6 % of the vertices)",
+        most < 0.0064,
+        format!(
+            "{:.2} to {:.2} %: fewer, for a wish here takes in all nodes whose sphere may reach the frustum",
+            100.0 * least,
+            100.0 * most
+        ),
+        "wishes with long borders meet more coinciding cut vertices, and small meshes have longer borders",
     ));
     let equal = rows.iter().filter(|row| row.as_written_is_least).count();
     entry.claims.push(Claim::check(

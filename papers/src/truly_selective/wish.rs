@@ -32,16 +32,27 @@ impl Wished {
         Self { replay, nodes: front }
     }
 
+    /// The share of the input's vertices that a mesh of the wish would have, if nothing had to be forced.
+    pub(super) fn share(&self) -> f64 {
+        let left = self.replay.leaf_count() - self.replay.len() + self.nodes.len();
+        f64::from(left) / f64::from(self.replay.leaf_count().max(1))
+    }
+
     /// The least front of a scheme that holds the wish.
     pub(super) fn closed(&self, scheme: Scheme) -> Result<Front, LedgerError> {
-        let order = scheme.visit(&self.replay, OrderOf).map_err(|error| LedgerError::Hierarchy(scheme.name().into(), error))??;
+        let order = scheme
+            .visit(&self.replay, OrderOf)
+            .map_err(|error| LedgerError::Hierarchy(scheme.name().into(), error))??;
         let mut front = self.nodes.clone();
         order.close(&mut front);
         Ok(front)
     }
 
     /// The hierarchy of a static scheme, and its state at the scheme's front.
-    pub(super) fn state(&self, scheme: Scheme) -> Result<(Hierarchy<Stored>, State<3, Hierarchy<Stored>, ()>), LedgerError> {
+    pub(super) fn state(
+        &self,
+        scheme: Scheme,
+    ) -> Result<(Hierarchy<Stored>, State<3, Hierarchy<Stored>, ()>), LedgerError> {
         let wrong = |error| LedgerError::Hierarchy(scheme.name().into(), error);
         let stored = scheme.stored(&self.replay).map_err(wrong)?;
         let dependency = stored.ok_or_else(|| LedgerError::Data(format!("{scheme} is no static order")))?;
@@ -66,8 +77,8 @@ impl Wished {
 
     /// The rule of the paper as it is written: each node of the wish is forced, coarsest first. Gives the front.
     pub(super) fn as_written(&self) -> Result<Front, LedgerError> {
-        let dependency =
-            DualPieceFree::new(&self.replay).map_err(|error| LedgerError::Hierarchy("dual-piece-free".into(), error))?;
+        let dependency = DualPieceFree::new(&self.replay)
+            .map_err(|error| LedgerError::Hierarchy("dual-piece-free".into(), error))?;
         let model = Hierarchy { replay: Arc::clone(&self.replay), dependency };
         let mut state = State::new(&model, ());
         let mut nodes: Vec<NodeId> = self.nodes.finest_first().collect();
@@ -108,7 +119,7 @@ mod tests {
         let (mut bare, mut watch) = (Bare, |_: &str, _: f32| true);
         let mut workshop = Workshop::new(Size::Small, &mut bare, &mut watch);
         for name in NAMES {
-            let wished = column(&mut workshop, name).unwrap().wished(&mut workshop).unwrap();
+            let (_, wished) = column(&mut workshop, name, 0.3).unwrap();
             let mut outer = Front::reference(wished.replay.len());
             for (_, scheme) in SCHEMES {
                 let (model, state) = wished.state(scheme).unwrap();
