@@ -1,7 +1,7 @@
 //! The ledger: made anew on small generated models, it has the shape of the one that is checked in, and what must hold of
 //! any model holds.
 
-use papers::ledger::{self, Bare, Entry, Published, Size, Verdict, Workshop};
+use papers::ledger::{self, Bare, Claim, Entry, Published, Size, Verdict, Workshop};
 use std::sync::LazyLock;
 
 /// What is checked in.
@@ -70,8 +70,9 @@ fn what_must_hold_of_any_model_holds() {
             "optimality",
             "the top-down approach always returns the mesh of minimum size (by single cells)",
         ),
-        ("multi-tessellation", "budget", "the engine keeps within the budget"),
-        ("multi-tessellation", "budget", "the engine comes to rest at once"),
+        ("multi-tessellation", "budget", "the engine keeps within the budget and comes to rest"),
+        ("truly-selective", "table-1", "the earlier schemes keep entities"),
+        ("generalized", "implicit-ids", "a vertex may split when its id is greater"),
     ];
     for (paper, id, says) in must {
         let entry = SMALL.iter().find(|entry| entry.paper == paper && entry.id == id).expect("an entry of this name");
@@ -93,22 +94,40 @@ fn what_cannot_hold_differs() {
         assert_eq!(claim.verdict, Verdict::Differs, "{}", claim.finds);
     }
     for entry in SMALL.iter().filter(|entry| entry.id == "anomalies") {
-        let denied: Vec<_> = entry.claims.iter().filter(|claim| claim.verdict == Verdict::Differs).collect();
+        // Six children a fan are what the printed tables have, if one does not count the centre.
+        let is_denied =
+            |claim: &&Claim| claim.verdict == Verdict::Differs && !claim.says.starts_with("The depth of log6 n");
+        let denied: Vec<_> = entry.claims.iter().filter(is_denied).collect();
         assert!(denied.is_empty(), "{}: {denied:?}", entry.paper);
     }
 }
 
-/// A slip in the printed numbers is told: the anomalies are computed from the data file, not written down.
+/// Anomalies are computed from the data file, not written down: a number mended is an anomaly gone.
 #[test]
 fn anomalies_come_from_the_data() {
-    let json = ledger::paper("truly-selective").unwrap().data;
-    let mended = Published::read(&json.replace("22105", "20105")).unwrap();
+    let slips = [
+        ("truly-selective", "22105", "20105", "a mesh has more faces than twice its vertices"),
+        (
+            "truly-selective",
+            "30284, 12049, 24094, 10870, 21736, 68",
+            "30284, 12050, 24094, 10870, 21736, 68",
+            "the columns of Cow and Horse",
+        ),
+        ("fan-hierarchy", "142500, 1.6", "142500, 1.56", "A saving factor is not"),
+        ("fan-hierarchy", "1224, 142500", "800, 142500", "Table 2 has more internal nodes"),
+        ("multi-tessellation", "868084", "1153600", "the totals of the T-DAG"),
+    ];
     let (mut bare, mut watch) = (Bare, |_: &str, _: f32| true);
     let mut workshop = Workshop::new(Size::Small, &mut bare, &mut watch);
-    let item = ledger::item(ledger::paper("truly-selective").unwrap(), "anomalies").unwrap();
-    let mut entry = Entry::default();
-    (item.run)(&mut workshop, &mended, &mut entry).unwrap();
-    assert_eq!(entry.claims[0].verdict, Verdict::Differs, "{:?}", entry.claims[0]);
+    for (name, printed, mended, says) in slips {
+        let paper = ledger::paper(name).unwrap();
+        assert!(paper.data.contains(printed), "{name} has {printed}");
+        let published = Published::read(&paper.data.replace(printed, mended)).unwrap();
+        let mut entry = Entry::default();
+        (ledger::item(paper, "anomalies").unwrap().run)(&mut workshop, &published, &mut entry).unwrap();
+        let claim = entry.claims.iter().find(|claim| claim.says.starts_with(says)).unwrap();
+        assert_eq!(claim.verdict, Verdict::Differs, "{name}: {claim:?}");
+    }
 }
 
 #[test]

@@ -23,7 +23,7 @@ pub struct Paper {
     /// Make the whole ledger: LEDGER.md, and tables and pictures in the folder `ledger` beside it
     #[arg(long, conflicts_with = "paper")]
     all: bool,
-    /// Where to write; if not set, the folder `paper`, and for the ledger the folder `papers`
+    /// Where to write; if not set, the folder `paper`, and for a ledger of real models the folder `papers`
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Small generated models, as tests use them, whatever MT_DATA names
@@ -42,7 +42,8 @@ impl Paper {
             }
             Some(name) => chosen(name, self.item.as_deref()).map_err(wrong)?,
         };
-        let default = if self.all { "papers" } else { "paper" };
+        // A ledger of generated models is not to take the place of one of real ones by a slip of the hand.
+        let default = if self.all && !self.small && data().is_some() { "papers" } else { "paper" };
         let folder = self.output.clone().unwrap_or_else(|| default.into());
         let new_folder = files::make_folder(&folder)?;
         files::check_writable(&folder)?;
@@ -116,13 +117,13 @@ fn data() -> Option<PathBuf> {
 struct Folder(PathBuf);
 
 impl Shelf for Folder {
-    fn bytes(&mut self, file: &str) -> Option<Vec<u8>> {
+    fn bytes(&mut self, file: &str) -> Result<Option<Vec<u8>>, LedgerError> {
         let path = self.0.join(file);
-        let read = files::read(&path);
-        if let Err(error) = &read {
-            eprintln!("{error}; something generated stands in for it");
+        if !path.exists() {
+            eprintln!("{}: no such file; something generated stands in for it", path.display());
+            return Ok(None);
         }
-        read.ok()
+        files::read(&path).map(Some).map_err(|error| LedgerError::Model(file.to_owned(), error.to_string()))
     }
 }
 
@@ -170,7 +171,7 @@ fn file_of(entries: &[Entry]) -> String {
 fn summary(entries: &[Entry], at: &Path) -> String {
     let mut lines = Vec::new();
     for entry in entries {
-        let count = |verdict| entry.claims.iter().filter(|claim| claim.verdict == verdict).count();
+        let count = |verdict| entry.count(verdict, false) + entry.count(verdict, true);
         lines.push(format!(
             "{} {}: {} claims hold, {} differ, {} stay open; {:.1} s",
             entry.paper,

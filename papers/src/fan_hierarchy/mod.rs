@@ -9,11 +9,11 @@ mod construction;
 mod degrees;
 mod pictures;
 
-use crate::ledger::{Item, LedgerError, Paper, Role, Size, Subject, Workshop};
+use crate::ledger::{Item, LedgerError, Paper, Role, Size, Subject, Workshop, edge_collapse, fuji};
 use mt_core::generate::{bumpy_sphere, components, genus_surface, terrain};
 use mt_core::{Hierarchy, Mesh};
 use operators::order::ImplicitIds;
-use operators::{AnyOperator, EdgeCollapse, FanMerge};
+use operators::{AnyOperator, FanMerge};
 use std::sync::Arc;
 
 /// The paper in the ledger.
@@ -35,19 +35,19 @@ pub const PAPER: Paper = Paper {
 const TERRAIN: Role = Role {
     name: "Terrain",
     file: "terrain/fuji.png",
-    part: None,
+    grid: fuji(None),
     stand_in: |size| terrain(if size == Size::Small { 24 } else { 160 }, 0.55, 7),
 };
 const ARMADILLO: Role = Role {
     name: "Armadillo",
     file: "surfaces/armadillo.obj",
-    part: None,
+    grid: None,
     stand_in: |size| bumpy_sphere(if size == Size::Small { 3 } else { 6 }, 0.15, 3),
 };
 const DRAGON: Role = Role {
     name: "A. Dragon",
     file: "surfaces/dragon_vrip_res2.ply",
-    part: None,
+    grid: None,
     stand_in: |size| genus_surface(3, if size == Size::Small { 5 } else { 18 }, 0.02, 5),
 };
 
@@ -57,16 +57,16 @@ const ROLES: [Role; 6] = [
     Role {
         name: "Hand",
         file: "surfaces/hand.obj",
-        part: None,
+        grid: None,
         stand_in: |size| bumpy_sphere(if size == Size::Small { 3 } else { 5 }, 0.1, 1),
     },
     Role {
         name: "Buddha",
         file: "surfaces/buddha.obj",
-        part: None,
+        grid: None,
         stand_in: |size| genus_surface(2, if size == Size::Small { 5 } else { 16 }, 0.02, 2),
     },
-    Role { name: "Scene", file: "surfaces/cycloidal.ply", part: None, stand_in: scene },
+    Role { name: "Scene", file: "surfaces/cycloidal.ply", grid: None, stand_in: scene },
     DRAGON,
     ARMADILLO,
 ];
@@ -82,12 +82,6 @@ fn fans() -> AnyOperator {
     AnyOperator::FanMerge(FanMerge::PARTIAL)
 }
 
-fn edges() -> AnyOperator {
-    AnyOperator::EdgeCollapse(
-        EdgeCollapse::FULL.with(operators::metric::AnyMetric::Quadric(operators::metric::Quadrics)),
-    )
-}
-
 /// A model of the paper with both hierarchies.
 struct Both {
     subject: Arc<Subject>,
@@ -99,11 +93,21 @@ struct Both {
 
 fn both(workshop: &mut Workshop<'_>, role: &Role) -> Result<Both, LedgerError> {
     let subject = workshop.subject(role)?;
-    let [fan, tree] = [fans(), edges()].map(|operator| workshop.sequence(&subject, &operator));
+    let [fan, tree] = [fans(), edge_collapse()].map(|operator| workshop.sequence(&subject, &operator));
     let (fan, tree) = (fan?, tree?);
     let seconds = [&fan, &tree].map(|made| made.seconds + made.seconds_replay);
     let hierarchy = |replay| Hierarchy { replay, dependency: ImplicitIds };
     Ok(Both { subject, fan: hierarchy(fan.replay), tree: hierarchy(tree.replay), seconds })
+}
+
+/// The slope of a line through points of logarithms: 1 where the one grows as the other.
+fn exponent(points: &[(f64, f64)]) -> f64 {
+    let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
+    let count = logs.len() as f64;
+    let (x, y) = logs.iter().fold((0.0, 0.0), |sum, point| (sum.0 + point.0 / count, sum.1 + point.1 / count));
+    let (along, square) =
+        logs.iter().fold((0.0, 0.0), |sum, p| (sum.0 + (p.0 - x) * (p.1 - y), sum.1 + (p.0 - x) * (p.0 - x)));
+    along / square
 }
 
 /// The least and the largest of some numbers, as a text of so many digits.

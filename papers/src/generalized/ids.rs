@@ -1,20 +1,17 @@
 //! The implicit dependency rule: as the slide has it, as it is meant, and what order it amounts to.
 
-use super::COW;
-use crate::ledger::{Claim, Entry, LedgerError, Published, Workshop};
+use crate::ledger::{COW, Claim, Entry, LedgerError, Published, Workshop, edge_collapse};
 use crate::table::Table;
 use mt_core::check::{self, Random};
 use mt_core::{Front, Hierarchy, NodeId, Replay};
-use operators::AnyOperator;
-use operators::EdgeCollapse;
-use operators::metric::{AnyMetric, Quadrics};
 use operators::order::{ImplicitIds, Stored};
 use selective::State;
 use std::sync::Arc;
 
-/// Of the merges of the analysis itself: how many the slide's rule allows, and how many the rule about parents does.
-fn allowed(replay: &Replay) -> [u32; 2] {
-    let mut counts = [0, 0];
+/// Of the merges of the analysis itself: how many the slide's rule allows, how many the rule about parents does, and how
+/// many of their splits the rule on splits does.
+pub(crate) fn allowed(replay: &Replay) -> [u32; 3] {
+    let mut counts = [0; 3];
     replay.sweep(|m, view| {
         let ends = replay.ends(m);
         let ring = || ends.into_iter().flat_map(|end| view.mesh.ring(end)).filter(|w| !ends.contains(w));
@@ -22,6 +19,7 @@ fn allowed(replay: &Replay) -> [u32; 2] {
         let id = |w| replay.latest(w, &view.front).map_or(w.0, |node: NodeId| replay.leaf_count() + node.0);
         counts[0] += u32::from(ring().all(|w| parent < id(w)));
         counts[1] += u32::from(ring().all(|w| m < replay.next(w, &view.front)));
+        counts[2] += u32::from(ring().all(|w| parent > id(w)));
     });
     counts
 }
@@ -50,9 +48,8 @@ fn agreeing(replay: &Arc<Replay>, wishes: u32) -> Result<[u32; 2], LedgerError> 
 pub(super) fn implicit_ids(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
     let subject = workshop.subject(&COW)?;
     entry.models.push(subject.told());
-    let operator = AnyOperator::EdgeCollapse(EdgeCollapse::FULL.with(AnyMetric::Quadric(Quadrics)));
-    let replay = workshop.sequence(&subject, &operator)?.replay;
-    let [slide, parents] = allowed(&replay);
+    let replay = workshop.sequence(&subject, &edge_collapse())?.replay;
+    let [slide, parents, splits] = allowed(&replay);
     let wishes = workshop.pick(100, 10);
     let [cells, ring] = agreeing(&replay, wishes)?;
     let mut table = Table::new("Measured", &["what", "#of", "#count"]);
@@ -82,11 +79,20 @@ pub(super) fn implicit_ids(workshop: &mut Workshop<'_>, _: &Published, entry: &m
          parents",
     ));
     entry.claims.push(Claim::check(
-        "read with the neighbours' parents the rule allows every merge of the analysis",
-        parents == merges,
-        format!("{parents} of {merges}"),
+        "a vertex may split when its id is greater than the ids of all its neighbours",
+        splits == merges,
+        format!("that allows {splits} of the {merges} splits that undo them"),
         "",
     ));
+    entry.claims.push(
+        Claim::check(
+            "read with the neighbours' parents the rule allows every merge of the analysis",
+            parents == merges,
+            format!("{parents} of {merges}"),
+            "",
+        )
+        .ours(),
+    );
     entry.claims.push(Claim::check(
         "dependency lists are eliminated: the ids say the same",
         cells == wishes && ring == wishes,

@@ -5,9 +5,11 @@ mod factors;
 mod ids;
 mod topology;
 
+pub(crate) use ids::allowed;
+
 use crate::ledger::{Item, Paper, Role, Size};
 use mt_core::Mesh;
-use mt_core::generate::{bumpy_sphere, components, genus_surface, sharp_box};
+use mt_core::generate::{bumpy_sphere, components, sharp_box};
 
 /// The paper in the ledger.
 pub const PAPER: Paper = Paper {
@@ -25,8 +27,8 @@ pub const PAPER: Paper = Paper {
 };
 
 const ASSEMBLIES: [Role; 2] = [
-    Role { name: "truck", file: "surfaces/truck.obj", part: None, stand_in: |size| assembly(size, 3) },
-    Role { name: "engine", file: "surfaces/engine.obj", part: None, stand_in: |size| assembly(size, 12) },
+    Role { name: "truck", file: "surfaces/truck.obj", grid: None, stand_in: |size| assembly(size, 3) },
+    Role { name: "engine", file: "surfaces/engine.obj", grid: None, stand_in: |size| assembly(size, 12) },
 ];
 
 /// Boxes and spheres in a row, which do not touch.
@@ -35,16 +37,3 @@ fn assembly(size: Size, parts: usize) -> Mesh<3> {
     let part = |i: usize| if i.is_multiple_of(2) { sharp_box(sides) } else { bumpy_sphere(level, 0.05, i as u64) };
     components(&(0..parts).map(part).collect::<Vec<_>>())
 }
-
-const COW: Role = Role {
-    name: "cow",
-    file: "surfaces/cow.obj",
-    part: None,
-    stand_in: |size| genus_surface(1, if size == Size::Small { 5 } else { 10 }, 0.02, 4),
-};
-const BUNNY: Role = Role {
-    name: "bunny",
-    file: "surfaces/stanford-bunny.obj",
-    part: None,
-    stand_in: |size| bumpy_sphere(if size == Size::Small { 3 } else { 5 }, 0.15, 9),
-};

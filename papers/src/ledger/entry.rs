@@ -69,25 +69,49 @@ pub struct Claim {
     pub finds: String,
     /// Whether that is the same.
     pub verdict: Verdict,
+    /// Whether it is ours, and not the paper's.
+    pub is_ours: bool,
 }
 
 impl Claim {
     /// A statement that measuring decides. `why` is told where it does not hold.
     pub fn check(says: &str, holds: bool, finds: impl Into<String>, why: &str) -> Self {
         let mut finds = finds.into();
-        if !holds && !why.is_empty() {
+        if !holds {
+            let why = if why.is_empty() { "we do not know" } else { why };
             finds = format!("{finds}. Why: {why}");
         }
-        Self { says: says.to_owned(), finds, verdict: if holds { Verdict::Holds } else { Verdict::Differs } }
+        let verdict = if holds { Verdict::Holds } else { Verdict::Differs };
+        Self { says: says.to_owned(), finds, verdict, is_ours: false }
     }
 
     /// A statement that is not decided here, and why not.
     pub fn open(says: &str, why: impl Into<String>) -> Self {
-        Self { says: says.to_owned(), finds: why.into(), verdict: Verdict::Open }
+        Self { says: says.to_owned(), finds: why.into(), verdict: Verdict::Open, is_ours: false }
+    }
+
+    /// What anybody sees who reads the paper, and where.
+    pub fn read(says: &str, at: &str) -> Self {
+        Self {
+            says: says.to_owned(),
+            finds: format!("read in the text, {at}"),
+            verdict: Verdict::Holds,
+            is_ours: false,
+        }
+    }
+
+    /// The same as a statement of ours.
+    pub fn ours(self) -> Self {
+        Self { is_ours: true, ..self }
     }
 }
 
 impl Entry {
+    /// How many of its claims, ours or the paper's, have come to this.
+    pub fn count(&self, verdict: Verdict, is_ours: bool) -> usize {
+        self.claims.iter().filter(|claim| claim.verdict == verdict && claim.is_ours == is_ours).count()
+    }
+
     /// Notes how ours differs.
     pub fn note(&mut self, text: impl Into<String>) -> &mut Self {
         self.notes.push(text.into());

@@ -14,14 +14,16 @@ mod pages;
 mod paint;
 mod published;
 mod raster;
+mod roles;
 mod workshop;
 
 pub use entry::{Claim, Entry, Figure, Verdict};
 pub use pages::{ledger, markdown};
 pub(crate) use paint::{Brush, close_up, dual_pieces, share};
 pub use published::{Printed, Published, PublishedTable};
-pub use raster::Raster;
-pub use workshop::{Bare, Role, Sequenced, Shelf, Size, Subject, Workshop};
+pub use raster::{Coding, Raster};
+pub(crate) use roles::{BUNNY, COW, HORSE, edge_collapse, fuji};
+pub use workshop::{Bare, Grid, Role, Sequenced, Shelf, Size, Subject, Workshop};
 
 use mt_core::analysis::AnalysisError;
 use mt_core::hierarchy::HierarchyError;

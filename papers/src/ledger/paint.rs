@@ -4,7 +4,7 @@ use super::{Figure, LedgerError};
 use glam::Vec3;
 use mt_core::mesh::area_vector;
 use mt_core::{Camera, Mesh, VertexId};
-use render::{Corner, Easel, Prefer, Rgba, Scene, Segment};
+use render::{Corner, Easel, Picture, Prefer, Rgba, Scene, Segment};
 
 /// Width and height of pictures.
 const SIZE: (u32, u32) = (800, 600);
@@ -28,10 +28,15 @@ impl Brush {
         scene: &Scene,
         camera: &Camera,
     ) -> Result<Figure, LedgerError> {
+        let bytes = self.picture(name, scene, camera)?.to_png();
+        Ok(Figure { name: name.to_owned(), caption: caption.to_owned(), bytes })
+    }
+
+    /// The same by its pixels.
+    pub(crate) fn picture(&self, name: &str, scene: &Scene, camera: &Camera) -> Result<Picture, LedgerError> {
         let camera = Camera { width_px: SIZE.0, height_px: SIZE.1, ..*camera };
         let painted = self.0.paint(scene, &camera);
-        let (picture, _) = painted.map_err(|error| LedgerError::Picture(name.to_owned(), error))?;
-        Ok(Figure { name: name.to_owned(), caption: caption.to_owned(), bytes: picture.to_png() })
+        painted.map(|(picture, _)| picture).map_err(|error| LedgerError::Picture(name.to_owned(), error))
     }
 }
 

@@ -98,16 +98,28 @@ impl Published {
 
 impl PublishedTable {
     /// A column of numbers; cells that are none are left out.
-    pub fn column(&self, heading: &str) -> Vec<f64> {
-        let Some(at) = self.columns.iter().position(|column| column == heading) else { return Vec::new() };
-        self.rows.iter().filter_map(|row| row[at].number()).collect()
+    pub fn column(&self, heading: &str) -> Result<Vec<f64>, LedgerError> {
+        let at = self.place_of(heading)?;
+        Ok(self.rows.iter().filter_map(|row| row[at].number()).collect())
     }
 
     /// A number by the first cell of its row and the heading of its column.
-    pub fn number(&self, row: &str, heading: &str) -> Option<f64> {
-        let at = self.columns.iter().position(|column| column == heading)?;
-        let is_row = |cells: &&Vec<Printed>| matches!(&cells[0], Printed::Text(text) if text == row);
-        self.rows.iter().find(is_row)?[at].number()
+    pub fn number(&self, row: &str, heading: &str) -> Result<f64, LedgerError> {
+        let at = self.place_of(heading)?;
+        let is_row = |cells: &&Vec<Printed>| cells[0].to_string() == row;
+        let found = self.rows.iter().find(is_row).and_then(|cells| cells[at].number());
+        found.ok_or_else(|| LedgerError::Data(format!("{}: no number of {row} under {heading}", self.id)))
+    }
+
+    /// A quotient of two columns in each row.
+    pub fn quotients(&self, above: &str, below: &str) -> Result<Vec<f64>, LedgerError> {
+        let (above, below) = (self.column(above)?, self.column(below)?);
+        Ok(above.iter().zip(below).map(|(above, below)| above / below).collect())
+    }
+
+    fn place_of(&self, heading: &str) -> Result<usize, LedgerError> {
+        let found = self.columns.iter().position(|column| column == heading);
+        found.ok_or_else(|| LedgerError::Data(format!("{}: no column {heading}", self.id)))
     }
 
     /// To be set.
@@ -142,7 +154,8 @@ mod tests {
         };
         let good = Published::read(&json(r#"["m", 2.5]"#)).unwrap();
         let table = good.table("t").unwrap();
-        assert_eq!((table.number("m", "y"), table.number("n", "y"), table.column("y")), (Some(2.5), None, vec![2.5]));
+        assert_eq!((table.number("m", "y").unwrap(), table.column("y").unwrap()), (2.5, vec![2.5]));
+        assert!(table.number("n", "y").is_err() && table.number("m", "z").is_err() && table.column("z").is_err());
         assert!(good.table("u").is_err());
         let error = Published::read(&json(r#"["m"]"#)).unwrap_err().to_string();
         assert!(error.contains("a row of 1 cells under 2 headings"), "{error}");

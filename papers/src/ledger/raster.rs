@@ -9,6 +9,17 @@ const RELIEF: f32 = 0.2;
 /// What an SRTM file has where nothing was measured.
 const VOID: i16 = -32768;
 
+/// How a file tells samples.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Coding {
+    /// A picture whose grey values, 0 to 1, are samples.
+    Grey,
+    /// A picture whose three colours are a height in metres, as Mapbox codes terrains.
+    Mapbox,
+    /// A square SRTM tile of heights in metres.
+    Srtm,
+}
+
 /// Samples in rows from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Raster {
@@ -36,8 +47,16 @@ impl Raster {
         Self { width, values: values.map(|(x, y)| value(x as f32, y as f32)).collect() }
     }
 
-    /// An image by its grey values, 0 to 1, or where it has four channels a terrain in Mapbox's coding, in metres.
-    pub fn from_png(bytes: &[u8]) -> Result<Self, LedgerError> {
+    /// The samples in the bytes of a file.
+    pub fn read(bytes: &[u8], coding: Coding) -> Result<Self, LedgerError> {
+        match coding {
+            Coding::Srtm => Self::from_hgt(bytes),
+            Coding::Grey => Self::from_png(bytes, |[r, g, b]| (0.299 * r + 0.587 * g + 0.114 * b) / 255.0),
+            Coding::Mapbox => Self::from_png(bytes, |[r, g, b]| (r * 65536.0 + g * 256.0 + b) * 0.1 - 10_000.0),
+        }
+    }
+
+    fn from_png(bytes: &[u8], value: impl Fn([f32; 3]) -> f32) -> Result<Self, LedgerError> {
         let wrong =
             |error: &dyn std::fmt::Display| LedgerError::Data(format!("not a picture that can be read: {error}"));
         let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
@@ -48,9 +67,8 @@ impl Raster {
         let info = reader.next_frame(&mut pixels).map_err(|error| wrong(&error))?;
         let channels = info.color_type.samples();
         let value = |pixel: &[u8]| match *pixel {
-            [r, g, b, _] => (f32::from(r) * 65536.0 + f32::from(g) * 256.0 + f32::from(b)) * 0.1 - 10_000.0,
-            [r, g, b] => (0.299 * f32::from(r) + 0.587 * f32::from(g) + 0.114 * f32::from(b)) / 255.0,
-            [grey, ..] => f32::from(grey) / 255.0,
+            [r, g, b, ..] => value([r, g, b].map(f32::from)),
+            [grey, ..] => value([f32::from(grey); 3]),
             [] => 0.0,
         };
         let values = pixels[..info.buffer_size()].chunks_exact(channels).map(value).collect();
@@ -58,7 +76,7 @@ impl Raster {
     }
 
     /// A square SRTM tile: heights in metres, two bytes each, the larger one first. Voids take the sample before them.
-    pub fn from_hgt(bytes: &[u8]) -> Result<Self, LedgerError> {
+    fn from_hgt(bytes: &[u8]) -> Result<Self, LedgerError> {
         let side = (bytes.len() / 2).isqrt();
         if side < 2 || side * side * 2 != bytes.len() {
             return Err(LedgerError::Data("not a square tile of heights".into()));
@@ -153,12 +171,12 @@ mod tests {
         let mut encoder = png::Encoder::new(&mut bytes, 3, 2);
         encoder.set_color(png::ColorType::Grayscale);
         encoder.write_header().unwrap().write_image_data(&[0, 51, 102, 153, 204, 255]).unwrap();
-        let raster = Raster::from_png(&bytes).unwrap();
-        assert_eq!((raster.width, raster.height(), raster.at(2, 1), raster.at(-4, 0)), (3, 2, 1.0, 0.0));
+        let raster = Raster::read(&bytes, Coding::Grey).unwrap();
+        assert_eq!((raster.width, raster.height(), raster.at(-4, 0)), (3, 2, 0.0));
         assert_eq!(raster.crop(1, 0, 9, 1).values, [0.2, 0.4]);
         assert!((raster.between(0.5, 0.5) - 0.4).abs() < 1e-6);
-        assert!(Raster::from_png(b"no picture").is_err() && Raster::from_hgt(&[0; 6]).is_err());
-        let tile = Raster::from_hgt(&[0, 7, 0x80, 0, 0x01, 0, 0, 1]).unwrap();
+        assert!(Raster::read(b"no picture", Coding::Grey).is_err() && Raster::read(&[0; 6], Coding::Srtm).is_err());
+        let tile = Raster::read(&[0, 7, 0x80, 0, 0x01, 0, 0, 1], Coding::Srtm).unwrap();
         assert_eq!(tile.values, [7.0, 7.0, 256.0, 1.0]);
     }
 

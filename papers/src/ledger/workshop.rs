@@ -1,6 +1,6 @@
 //! Where the models of the ledger come from, and the sequences that are made of them, each once.
 
-use super::{LedgerError, Raster};
+use super::{Coding, LedgerError, Raster};
 use mt_core::analysis::{Options, Stopped};
 use mt_core::format::{self, Format, LoadOptions, NonManifold};
 use mt_core::hierarchy::HierarchyError;
@@ -12,16 +12,16 @@ use std::time::Instant;
 
 /// Where files of models are kept. Names are relative: `surfaces/horse.ply`.
 pub trait Shelf {
-    /// The bytes of a file; `None` where there is none.
-    fn bytes(&mut self, file: &str) -> Option<Vec<u8>>;
+    /// The bytes of a file; `None` where there is none. One that is there and cannot be read is an error.
+    fn bytes(&mut self, file: &str) -> Result<Option<Vec<u8>>, LedgerError>;
 }
 
 /// Has nothing: everything is generated.
 pub struct Bare;
 
 impl Shelf for Bare {
-    fn bytes(&mut self, _: &str) -> Option<Vec<u8>> {
-        None
+    fn bytes(&mut self, _: &str) -> Result<Option<Vec<u8>>, LedgerError> {
+        Ok(None)
     }
 }
 
@@ -41,10 +41,19 @@ pub struct Role {
     pub name: &'static str,
     /// The file that stands for it.
     pub file: &'static str,
-    /// Of a grid of samples: the part that is taken, as column, row, columns and rows.
-    pub part: Option<[usize; 4]>,
+    /// How samples are read, where it is a grid of them.
+    pub grid: Option<Grid>,
     /// What is generated where the file is not at hand; of two sizes.
     pub stand_in: fn(Size) -> Mesh<3>,
+}
+
+/// A grid of samples in a file.
+#[derive(Copy, Clone, Debug)]
+pub struct Grid {
+    /// How they are told.
+    pub coding: Coding,
+    /// The part that is taken, as column, row, columns and rows.
+    pub part: Option<[usize; 4]>,
 }
 
 /// A model as it is studied.
@@ -123,27 +132,21 @@ impl<'a> Workshop<'a> {
         if self.size == Size::Small { small } else { full }
     }
 
-    /// The grid of samples in a file, or what is generated in its stead; and where it is from.
-    pub fn raster(
-        &mut self,
-        file: &str,
-        part: Option<[usize; 4]>,
-        stand_in: impl FnOnce() -> Raster,
-    ) -> Result<(Raster, String), LedgerError> {
-        let Some(bytes) = self.file(file) else { return Ok((stand_in(), "generated".into())) };
+    /// The grid of samples in a file, if it is at hand, and where it is from.
+    pub fn raster(&mut self, file: &str, grid: &Grid) -> Result<Option<(Raster, String)>, LedgerError> {
+        let Some(bytes) = self.file(file)? else { return Ok(None) };
         let wrong = |error| LedgerError::Model(file.to_owned(), format!("{error}"));
-        let read = if file.ends_with(".hgt") { Raster::from_hgt } else { Raster::from_png };
-        let whole = read(&bytes).map_err(wrong)?;
-        Ok(match part {
+        let whole = Raster::read(&bytes, grid.coding).map_err(wrong)?;
+        Ok(Some(match grid.part {
             None => (whole, file.to_owned()),
             Some([x, y, columns, rows]) => {
                 (whole.crop(x, y, columns, rows), format!("{columns} x {rows} samples of {file} from {x}, {y}"))
             }
-        })
+        }))
     }
 
-    fn file(&mut self, file: &str) -> Option<Vec<u8>> {
-        if self.size == Size::Small { None } else { self.shelf.bytes(file) }
+    fn file(&mut self, file: &str) -> Result<Option<Vec<u8>>, LedgerError> {
+        if self.size == Size::Small { Ok(None) } else { self.shelf.bytes(file) }
     }
 
     /// The model that stands for one of a paper, its sheets separated where it is no manifold.
@@ -157,7 +160,7 @@ impl<'a> Workshop<'a> {
     }
 
     fn load(&mut self, role: &Role, non_manifold: NonManifold) -> Result<Arc<Subject>, LedgerError> {
-        let key = format!("{} {} {:?} {non_manifold:?}", role.name, role.file, role.part);
+        let key = format!("{} {} {:?} {non_manifold:?}", role.name, role.file, role.grid);
         if let Some(subject) = self.subjects.get(&key) {
             return Ok(Arc::clone(subject));
         }
@@ -170,16 +173,14 @@ impl<'a> Workshop<'a> {
 
     fn mesh(&mut self, role: &Role, non_manifold: NonManifold) -> Result<(Mesh<3>, String), LedgerError> {
         let generated = |size| ((role.stand_in)(size), "generated".to_owned());
+        if let Some(grid) = &role.grid {
+            let found = self.raster(role.file, grid)?;
+            return Ok(found.map_or_else(|| generated(self.size), |(raster, from)| (raster.terrain(), from)));
+        }
         let ending = role.file.rsplit('.').next().unwrap_or("");
-        let Some(format) = Format::from_extension(ending) else {
-            let mut found = true;
-            let (raster, from) = self.raster(role.file, role.part, || {
-                found = false;
-                Raster::sampled(2, 2, |_, _| 0.0)
-            })?;
-            return Ok(if found { (raster.terrain(), from) } else { generated(self.size) });
-        };
-        let Some(bytes) = self.file(role.file) else { return Ok(generated(self.size)) };
+        let format = Format::from_extension(ending)
+            .ok_or_else(|| LedgerError::Data(format!("{}: no format of meshes", role.file)))?;
+        let Some(bytes) = self.file(role.file)? else { return Ok(generated(self.size)) };
         let options = LoadOptions { non_manifold, ..LoadOptions::default() };
         let (mesh, _) = format::read(format, &bytes, &options, &|_| None)
             .map_err(|error| LedgerError::Model(role.file.to_owned(), error.to_string()))?;

@@ -1,7 +1,7 @@
 //! The curve of interruption: the largest error that is left against modifications made, by priority and depth first.
 
-use super::{FIELD, collapse};
-use crate::ledger::{Claim, Entry, Figure, LedgerError, Published, Workshop};
+use super::FIELD;
+use crate::ledger::{Claim, Entry, Figure, LedgerError, Published, Workshop, edge_collapse};
 use crate::plot::{Axis, Lines, Series};
 use crate::table::Table;
 use mt_core::{Explicit, MultiTessellation, NodeId, Step};
@@ -22,7 +22,7 @@ fn left(model: &Explicit<3>, steps: &[Step]) -> Vec<f32> {
 pub(super) fn interruption(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
     let subject = workshop.subject(&FIELD)?;
     entry.models.push(subject.told());
-    let model = workshop.explicit(&subject, &collapse())?;
+    let model = workshop.explicit(&subject, &edge_collapse())?;
     let everything = UniformError { error_max: -1.0 };
     let [priority, depth_first] = [Strategy::Priority, Strategy::TopDown].map(|strategy| {
         let (state, _) = extract(&*model, &everything, &Limits::NONE, strategy, ());

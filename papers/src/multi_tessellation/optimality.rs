@@ -1,9 +1,8 @@
 //! The remarks on optimality: models that keep to the hypothesis and models that violate it, and the counterexample to
 //! "top-down always returns the mesh of minimum size" where whole modifications are tested.
 
-use super::collapse;
 use super::slides::{Excess, contraction, expansion};
-use crate::ledger::{Claim, Entry, LedgerError, Published, Subject, Workshop};
+use crate::ledger::{Claim, Entry, LedgerError, Published, Subject, Workshop, edge_collapse};
 use crate::table::Table;
 use glam::Vec3;
 use mt_core::check::{Random, set_algebra};
@@ -93,7 +92,7 @@ fn tally(workshop: &mut Workshop<'_>, violate: bool) -> Result<Tally, LedgerErro
         let (columns, rows) = if seed % 2 == 0 { (3, 2) } else { (24, 24) };
         let mesh = bumpy_grid(columns, rows, 0.6, seed);
         let subject = Subject { name: "grid", from: format!("generated {seed}"), mesh };
-        let model = workshop.explicit(&subject, &collapse())?;
+        let model = workshop.explicit(&subject, &edge_collapse())?;
         let errors = if violate { Errors::shuffled(&model, &mut random) } else { Errors::monotone(&model) };
         let mut sorted = errors.0.clone();
         sorted.sort_by(f32::total_cmp);
@@ -212,7 +211,7 @@ fn line() -> Result<Explicit<2>, mt_core::HistoryError> {
 }
 
 /// How many modifications the test of whole modifications applies, and how many that of cells.
-fn counterexample() -> Result<(u32, u32), LedgerError> {
+pub(super) fn counterexample() -> Result<(u32, u32), LedgerError> {
     let model = line().map_err(|error| LedgerError::Data(error.to_string()))?;
     let failing = AandE([[0.0, 2.0], [2.0, 3.0]]);
     let fails = |cell: CellId| {

@@ -1,11 +1,14 @@
 //! What stands for the models of Table 2, and what is wished of each.
 
 use super::wish::Wished;
-use crate::ledger::{LedgerError, Raster, Role, Size, Subject, Workshop};
+use crate::ledger::{
+    BUNNY, COW, Coding, Grid, HORSE, LedgerError, Raster, Role, Size, Subject, Workshop, edge_collapse, fuji,
+};
 use glam::Vec3;
-use mt_core::generate::{bumpy_sphere, genus_surface, terrain};
+use mt_core::generate::terrain;
+use mt_core::mesh::area_vector;
 use mt_core::{Bound, Camera, Mesh, Replay, VertexId};
-use operators::metric::{AnyMetric, QuadricAttributes, Quadrics};
+use operators::metric::{AnyMetric, QuadricAttributes};
 use operators::{AnyOperator, EdgeCollapse};
 use selective::{Criterion, Facing, Frustum, InView, UniformError};
 use std::sync::Arc;
@@ -47,49 +50,25 @@ const TERRAINS: [Role; 3] = [
     Role {
         name: "Terrain1",
         file: "terrain/gcanyon.png",
-        part: Some([500, 500, 173, 173]),
+        grid: Some(Grid { coding: Coding::Grey, part: Some([500, 500, 173, 173]) }),
         stand_in: |size| hills(size, 1),
     },
     Role {
         name: "Terrain2",
         file: "terrain/fuji.png",
-        part: Some([170, 170, 173, 173]),
+        grid: fuji(Some([170, 170, 173, 173])),
         stand_in: |size| hills(size, 2),
     },
     Role {
         name: "Terrain3",
         file: "terrain/N42E001.hgt",
-        part: Some([600, 300, 173, 173]),
+        grid: Some(Grid { coding: Coding::Srtm, part: Some([600, 300, 173, 173]) }),
         stand_in: |size| hills(size, 3),
     },
 ];
 
 fn hills(size: Size, seed: u64) -> Mesh<3> {
     terrain(if size == Size::Small { 24 } else { 172 }, 0.5, seed)
-}
-
-const COW: Role = Role {
-    name: "Cow",
-    file: "surfaces/cow.obj",
-    part: None,
-    stand_in: |size| genus_surface(1, if size == Size::Small { 5 } else { 10 }, 0.02, 4),
-};
-pub(super) const HORSE: Role = Role {
-    name: "Horse",
-    file: "surfaces/horse.ply",
-    part: None,
-    stand_in: |size| bumpy_sphere(if size == Size::Small { 3 } else { 5 }, 0.2, 6),
-};
-pub(super) const BUNNY: Role = Role {
-    name: "Bunny",
-    file: "surfaces/stanford-bunny.obj",
-    part: None,
-    stand_in: |size| bumpy_sphere(if size == Size::Small { 3 } else { 5 }, 0.15, 9),
-};
-
-/// Edge collapse in the order of the quadric error.
-pub(super) fn quadric() -> AnyOperator {
-    AnyOperator::EdgeCollapse(EdgeCollapse::FULL.with(AnyMetric::Quadric(Quadrics)))
 }
 
 /// A column by its name, and what it asks of its sequence. How much is asked for, by the angle of a camera or the number
@@ -105,7 +84,7 @@ pub(super) fn column(workshop: &mut Workshop<'_>, name: &str, share: f64) -> Res
         _ => &BUNNY,
     });
     let subject = workshop.subject(role)?;
-    let replay = workshop.sequence(&subject, &quadric())?.replay;
+    let replay = workshop.sequence(&subject, &edge_collapse())?.replay;
     let asked = |fov_y_degrees: f32| match (terrain, name) {
         (Some(_), _) => Asked::InView(over(&subject.mesh, fov_y_degrees)),
         (None, "Cow") => {
@@ -145,7 +124,8 @@ fn image(
 ) -> Result<(Column, Wished), LedgerError> {
     let [_, _, width, height] = part;
     let (width, height) = workshop.pick((width, height), (24, 20));
-    let (raster, from) = workshop.raster("images/camera.png", Some(part), || rings(width, height))?;
+    let found = workshop.raster("images/camera.png", &Grid { coding: Coding::Grey, part: Some(part) })?;
+    let (raster, from) = found.unwrap_or_else(|| (rings(width, height), "generated".to_owned()));
     let mut strength: Vec<(f32, usize)> = raster.sobel().into_iter().enumerate().map(|(i, s)| (s, i)).collect();
     strength.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let grey: Arc<[[f32; 3]]> = raster.values.iter().map(|&grey| [grey, 0.0, 0.0]).collect();
@@ -236,13 +216,45 @@ impl Asked {
     }
 }
 
+impl Column {
+    /// The vertices of the input that are asked for, one by one: feature points, and those within the frustum, where a
+    /// column asks for that with a normal towards the eye.
+    pub(super) fn vertices(&self) -> Vec<VertexId> {
+        let mesh = &self.subject.mesh;
+        let within = |camera: &Camera| {
+            let planes = camera.frustum();
+            move |v: &VertexId| planes.iter().all(|plane| plane.dot(mesh.positions[v.index()].extend(1.0)) >= 0.0)
+        };
+        let all = (0..mesh.positions.len()).map(VertexId::new);
+        match &self.asked {
+            Asked::Features(image) => image.features.clone(),
+            Asked::InView(camera) => all.filter(within(camera)).collect(),
+            Asked::Facing(camera) => {
+                let towards = facing(mesh, camera.eye);
+                all.filter(within(camera)).filter(|v| towards[v.index()][0]).collect()
+            }
+        }
+    }
+}
+
+/// Of each vertex, whether a triangle around it faces the eye, and whether one faces away.
+pub(super) fn facing(mesh: &Mesh<3>, eye: Vec3) -> Vec<[bool; 2]> {
+    let mut sides = vec![[false; 2]; mesh.positions.len()];
+    for cell in &mesh.cells {
+        let corners = cell.map(|v| mesh.positions[v.index()].as_dvec3());
+        let towards = area_vector(corners).dot(eye.as_dvec3() - corners[0]) > 0.0;
+        cell.iter().for_each(|v| sides[v.index()][usize::from(!towards)] = true);
+    }
+    sides
+}
+
 /// The nodes whose bound is asked for.
 pub(super) fn asking(replay: &Replay, asks: impl Fn(&Bound) -> bool) -> Vec<mt_core::NodeId> {
     (0..replay.len()).map(mt_core::NodeId).filter(|&m| asks(&replay.bound(m))).collect()
 }
 
 /// The nodes that have to be refined before these input vertices are there.
-fn above(replay: &Replay, leaves: &[VertexId]) -> Vec<mt_core::NodeId> {
+pub(super) fn above(replay: &Replay, leaves: &[VertexId]) -> Vec<mt_core::NodeId> {
     let mut found = Vec::new();
     for &leaf in leaves {
         let first = replay.merged_at(leaf);
