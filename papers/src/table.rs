@@ -22,13 +22,14 @@ pub struct Table {
 }
 
 impl Table {
-    /// An empty table; a column is of numbers where its heading begins with `#`, which is taken off.
-    pub fn new(caption: &str, headings: &[&str]) -> Self {
-        let column = |heading: &&str| match heading.strip_prefix('#') {
+    /// An empty table under headings that stand between bars: `"model | #triangles"`. A column is of numbers where its
+    /// heading begins with `#`, which is taken off.
+    pub fn new(caption: &str, headings: &str) -> Self {
+        let column = |heading: &str| match heading.strip_prefix('#') {
             Some(heading) => (heading.to_owned(), Align::Number),
-            None => ((*heading).to_owned(), Align::Text),
+            None => (heading.to_owned(), Align::Text),
         };
-        Self { caption: caption.to_owned(), columns: headings.iter().map(column).collect(), rows: Vec::new() }
+        Self { caption: caption.to_owned(), columns: headings.split(" | ").map(column).collect(), rows: Vec::new() }
     }
 
     /// Appends a row.
@@ -78,7 +79,7 @@ mod tests {
 
     #[test]
     fn cells_cannot_break_out_of_their_table() {
-        let mut table = Table::new("what | is", &["name", "#count"]);
+        let mut table = Table::new("what | is", "name | #count");
         table.row(["a|b\nc", "1"]).row(["\"q\", r"]);
         assert_eq!(
             table.markdown(),

@@ -197,7 +197,7 @@ fn equation(entry: &mut Entry) {
         Bound { center: Vec3::Z * distance, radius: 1e-4, error: 1.0, cone: Cone::of_normals(&[normal]) }
     };
     let weight = |bound| f64::from(visual(Reading::Error).excess(&bound, false)) + 1.0;
-    let jump = weight(at(epsilon - 0.001, 10.0)) / weight(at(epsilon + 0.001, 10.0));
+    let jump = weight(at(epsilon - 0.03, 10.0)) / weight(at(epsilon + 0.03, 10.0));
     entry.claims.push(Claim::check(
         "Equation 3 is discontinuous at the silhouette",
         jump > 2.0,

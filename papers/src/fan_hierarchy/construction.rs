@@ -23,18 +23,7 @@ pub(super) fn table_1(
 ) -> Result<(), LedgerError> {
     let mut table = Table::new(
         "Measured: wall seconds of analysis and replay, whatever else the machine did.",
-        &[
-            "dataset",
-            "#vertices",
-            "#FH, s",
-            "#VDT, s",
-            "#VDT / FH",
-            "#printed",
-            "#FH, us a vertex",
-            "#printed, us",
-            "#VDT, us a vertex",
-            "#printed, us",
-        ],
+        "dataset | #vertices | #FH, s | #VDT, s | #VDT / FH | #printed | #FH, us a vertex | #printed, us | #VDT, us a vertex | #printed, us",
     );
     let printed = published.table("table-1")?;
     let faster = printed.quotients("VDT, min:s", "FH, min:s")?;
@@ -88,22 +77,11 @@ pub(super) fn table_2(
 ) -> Result<(), LedgerError> {
     let mut table = Table::new(
         "Measured: internal nodes are merged vertices; bytes are those of the hierarchies in memory, without the input.",
-        &[
-            "dataset",
-            "#FH internal",
-            "#VDT internal",
-            "#VDT / FH",
-            "#printed",
-            "#FH, bytes a vertex",
-            "#VDT, bytes a vertex",
-            "#saving",
-            "#printed",
-            "#from printed sizes",
-        ],
+        "dataset | #FH internal | #VDT internal | #VDT / FH | #printed | #FH, bytes a vertex | #VDT, bytes a vertex | #saving | #printed | #from printed sizes",
     );
     let mut whole = Table::new(
         "Measured: fans that take the whole link of their centre and fans that take a part of it; vertices that join, on the average.",
-        &["dataset", "#whole fans", "#join", "#partial fans", "#join"],
+        "dataset | #whole fans | #join | #partial fans | #join",
     );
     let printed = published.table("table-2")?;
     let internal = printed.quotients("VDT internal nodes, K", "FH internal nodes, K")?;
@@ -174,19 +152,7 @@ pub(super) fn depth(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entr
     let mut table = Table::new(
         "Measured: merges above an input vertex, mean and most. A forest of as many trees as the base mesh has vertices can be \
          no deeper on the average than its trees, so n / trees stands in the logarithms. Children count the centre.",
-        &[
-            "dataset",
-            "#FH trees",
-            "#FH mean depth",
-            "#FH depth",
-            "#log6",
-            "#VDT trees",
-            "#VDT mean depth",
-            "#VDT depth",
-            "#log2",
-            "#children",
-            "#pointers a node",
-        ],
+        "dataset | #FH trees | #FH mean depth | #FH depth | #log6 | #VDT trees | #VDT mean depth | #VDT depth | #log2 | #children | #pointers a node",
     );
     let (mut fans, mut trees, mut pointers, mut shallower) = (Vec::new(), Vec::new(), Vec::new(), true);
     each(workshop, entry, |both| {

@@ -60,8 +60,8 @@ pub(super) fn figure_3(workshop: &mut Workshop<'_>, _: &Published, entry: &mut E
     let headings: Vec<String> = std::iter::once("#vertices gone, %".to_owned())
         .chain(curves.iter().flat_map(|(name, _)| [format!("#{name}, most"), "#mean".to_owned()]))
         .collect();
-    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
-    let mut table = Table::new("Measured: triangles at a vertex; vertices without one are left out.", &headings);
+    let mut table =
+        Table::new("Measured: triangles at a vertex; vertices without one are left out.", &headings.join(" | "));
     for gone in GONE {
         let of = |curve: &[At]| {
             let at = curve.iter().find(|at| at.gone == gone);

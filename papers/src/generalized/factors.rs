@@ -93,7 +93,7 @@ pub(super) fn factors(workshop: &mut Workshop<'_>, _: &Published, entry: &mut En
     let camera = Camera { target, eye: target + (around.eye - around.target) * 0.5, ..around };
     let mut table = Table::new(
         "Measured: one camera near the head, one hierarchy under dual pieces; last the same under implicit ids.",
-        &["factor", "asked for", "#triangles", "#of the input", "#steps", "#folds"],
+        "factor | asked for | #triangles | #of the input | #steps | #folds",
     );
     let (mut least, mut seen) = (0, Vec::new());
     let all = factors_for(&camera, subject.mesh.diagonal() as f32)?;

@@ -52,7 +52,7 @@ pub(super) fn implicit_ids(workshop: &mut Workshop<'_>, _: &Published, entry: &m
     let [slide, parents, splits] = allowed(&replay);
     let wishes = workshop.pick(100, 10);
     let [cells, ring] = agreeing(&replay, wishes)?;
-    let mut table = Table::new("Measured", &["what", "#of", "#count"]);
+    let mut table = Table::new("Measured", "what | #of | #count");
     let merges = replay.len();
     table.row([
         "merges of the analysis that the slide's rule allows".to_owned(),

@@ -17,17 +17,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub(super) fn virtual_edges(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
-    let headings = [
-        "model",
-        "#threshold, rad",
-        "#longest, % of diagonal",
-        "#edges",
-        "#virtual edges",
-        "#pieces by edges",
-        "#pieces with virtual edges",
-        "#s",
-    ];
-    let mut table = Table::new("Measured: a piece is what edges connect.", &headings);
+    let headings = "model | #threshold, rad | #longest, % of diagonal | #edges | #virtual edges | #pieces by edges | #pieces with virtual edges | #s";
+    let mut table = Table::new("Measured: a piece is what edges connect.", headings);
     let (mut fewer, mut pieces_of) = (true, Vec::new());
     for role in &ASSEMBLIES {
         let subject = workshop.subject_unsplit(role)?;
@@ -182,10 +173,9 @@ pub(super) fn topology(workshop: &mut Workshop<'_>, _: &Published, entry: &mut E
         let percent = 100.0 * share;
         headings.extend([format!("#pieces at {percent} %"), format!("#RMS at {percent} %, 1e-3")]);
     }
-    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
     let mut table = Table::new(
         "Measured: pieces that edges connect, and distances from the input as shares of its diagonal; nothing where an operator does not come so far.",
-        &headings,
+        &headings.join(" | "),
     );
     let brush = Brush::new()?;
     let (mut bases, mut connected) = (Vec::new(), Vec::new());

@@ -24,7 +24,7 @@ fn body(entry: &Entry, heading: &str) -> String {
     }
     if !entry.claims.is_empty() {
         let says = if entry.id == "anomalies" { "noticed" } else { "the paper says" };
-        let mut claims = Table::new("", &[says, "here", "found"]);
+        let mut claims = Table::new("", &format!("{says} | here | found"));
         for claim in &entry.claims {
             let says = if claim.is_ours { format!("(ours) {}", claim.says) } else { claim.says.clone() };
             claims.row([says.as_str(), claim.verdict.name(), claim.finds.as_str()]);
@@ -54,8 +54,7 @@ fn spoken(id: &str) -> String {
 pub fn ledger(entries: &[Entry], machine: &str) -> Result<String, LedgerError> {
     let mut text = String::from(INTRODUCTION);
     text += &format!("{machine}\n\n");
-    let mut overview =
-        Table::new("", &["paper", "item", "#holds", "#differs", "#open", "#ours hold", "#noticed", "#seconds"]);
+    let mut overview = Table::new("", "paper | item | #holds | #differs | #open | #ours hold | #noticed | #seconds");
     for entry in entries {
         let is_noticed = entry.id == "anomalies";
         let papers = [Verdict::Holds, Verdict::Differs, Verdict::Open].map(|verdict| entry.count(verdict, false));

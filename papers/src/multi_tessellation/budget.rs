@@ -109,15 +109,7 @@ pub(super) fn budget(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Ent
     );
     let mut table = Table::new(
         &caption,
-        &[
-            "operator",
-            "way",
-            "#frames over",
-            "#triangles over, most",
-            "#nodes in vain",
-            "#steps a still frame",
-            "#steps a frame",
-        ],
+        "operator | way | #frames over | #triangles over, most | #nodes in vain | #steps a still frame | #steps a frame",
     );
     let (mut slides, mut engine) = (Kept::default(), Kept::default());
     for operator in [edge_collapse(), AnyOperator::FanMerge(FanMerge::PARTIAL)] {

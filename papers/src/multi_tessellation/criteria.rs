@@ -1,7 +1,9 @@
 //! The three criteria of the slides on cells of a field, and both ways of answering a query that moves.
 
 use super::FIELD;
-use crate::ledger::{Brush, Claim, Entry, Figure, LedgerError, Published, Workshop, close_up, edge_collapse, share};
+use crate::ledger::{
+    Brush, Claim, Entry, Figure, LedgerError, Published, PublishedTable, Workshop, close_up, edge_collapse, share,
+};
 use crate::table::Table;
 use glam::Vec3;
 use mt_core::model::mesh_of;
@@ -69,13 +71,7 @@ pub(super) fn criteria(
     let fine = meshes[1].2.cell_count() as f64;
     let mut table = Table::new(
         "Measured: cells are judged one by one, and the mesh is the least that satisfies the criterion.",
-        &[
-            "criterion",
-            "#error there, % of the range",
-            "#triangles",
-            "#of the reference mesh",
-            "#of the uniform mesh of 0.1 %",
-        ],
+        "criterion | #error there, % of the range | #triangles | #of the reference mesh | #of the uniform mesh of 0.1 %",
     );
     for (name, percent, mesh) in &meshes {
         let count = mesh.cell_count() as f64;
@@ -88,7 +84,19 @@ pub(super) fn criteria(
         ]);
     }
     entry.measured.push(table);
-    let sizes = published.table("criteria")?;
+    sizes(entry, published.table("criteria")?, &meshes, whole)?;
+    show(entry, &meshes, &subject.mesh)?;
+    entry.note("A cell counts as in the region where its bounding box meets it: the smallest threshold over it counts. By the slides it is the largest, so that all of a cell has to be inside.");
+    entry.note("The slides have fields over tetrahedra; ours is over a plane until there is an operator for tetrahedra. The box and the value of the slides are not given, so several were tried.");
+    Ok(())
+}
+
+/// A criterion, its error in per cent of the range, and the mesh for it.
+type Made = (&'static str, &'static str, Mesh<3>);
+
+/// Sizes held against those of the slides.
+fn sizes(entry: &mut Entry, sizes: &PublishedTable, meshes: &[Made; 9], whole: f64) -> Result<(), LedgerError> {
+    let fine = meshes[1].2.cell_count() as f64;
     let part = |mesh: &Mesh<3>, of: f64| 100.0 * mesh.cell_count() as f64 / of;
     let like = |ours: f64, printed: f64| (0.5..=2.0).contains(&(ours / printed));
     let (ours, printed) = (part(&meshes[0].2, whole), sizes.number("uniform", "size, %")?);
@@ -111,7 +119,7 @@ pub(super) fn criteria(
                 "{} %, {printed} % printed for a box or value that is not given",
                 ours.iter().map(|size| format!("{size:.1}")).collect::<Vec<_>>().join(", ")
             ),
-            "",
+            "the mesh gets coarser gradually around what is asked for, the more of it the less is asked for",
         ));
     }
     entry.claims.push(Claim::check(
@@ -121,8 +129,12 @@ pub(super) fn criteria(
         "the largest threshold over a large cell is that outside of the region, so nothing is asked of cells that reach out of \
          it, and the coarsest all do",
     ));
+    Ok(())
+}
+
+fn show(entry: &mut Entry, meshes: &[Made; 9], input: &Mesh<3>) -> Result<(), LedgerError> {
     let brush = Brush::new()?;
-    let camera = close_up(&subject.mesh, Vec3::new(0.0, 1.0, 0.55), Vec3::Y);
+    let camera = close_up(input, Vec3::new(0.0, 1.0, 0.55), Vec3::Y);
     for (i, name) in [(1, "uniform"), (3, "region"), (7, "value")] {
         let (told, _, mesh) = &meshes[i];
         let scene = encode(mesh, &Look { wireframe: true, ..Look::default() });
@@ -134,8 +146,6 @@ pub(super) fn criteria(
         )?;
         entry.figures.push(figure);
     }
-    entry.note("A cell counts as in the region where its bounding box meets it: the smallest threshold over it counts. By the slides it is the largest, so that all of a cell has to be inside.");
-    entry.note("The slides have fields over tetrahedra; ours is over a plane until there is an operator for tetrahedra. The box and the value of the slides are not given, so several were tried.");
     Ok(())
 }
 
@@ -167,7 +177,7 @@ pub(super) fn strategies(workshop: &mut Workshop<'_>, _: &Published, entry: &mut
     }
     let mut table = Table::new(
         "Measured: a region of a sixteenth of the field that moves across it.",
-        &["#frames", "#steps a frame, top-down", "#steps a frame, incremental", "#equal fronts", "#largest front"],
+        "#frames | #steps a frame, top-down | #steps a frame, incremental | #equal fronts | #largest front",
     );
     let mean = |sum: u64| format!("{:.1}", sum as f64 / f64::from(frames - 1));
     table.row([frames.to_string(), mean(fresh_steps), mean(steps), equal.to_string(), largest.to_string()]);

@@ -33,7 +33,7 @@ pub(super) fn interruption(workshop: &mut Workshop<'_>, _: &Published, entry: &m
     let at = |curve: &[f32], share: f64| percent(curve[(share * 0.01 * (curve.len() - 1) as f64) as usize]);
     let mut table = Table::new(
         "Measured: the largest error left, as a share of that of the base mesh.",
-        &["#modifications made, %", "#by priority, %", "#depth first, %"],
+        "#modifications made, % | #by priority, % | #depth first, %",
     );
     for share in AT {
         table.row([

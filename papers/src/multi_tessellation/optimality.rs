@@ -118,15 +118,7 @@ fn tally(workshop: &mut Workshop<'_>, violate: bool) -> Result<Tally, LedgerErro
 pub(super) fn optimality(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
     let mut table = Table::new(
         "Measured: generated sheets; the incremental answer is the slides', from the front of a finer wish.",
-        &[
-            "errors",
-            "#wishes",
-            "#incremental larger",
-            "#smaller",
-            "#nodes more, %",
-            "#checked against all closed sets",
-            "#top-down least",
-        ],
+        "errors | #wishes | #incremental larger | #smaller | #nodes more, % | #checked against all closed sets | #top-down least",
     );
     let tallies = [("decrease with each modification", false), ("dealt out anew", true)];
     let mut found = Vec::new();

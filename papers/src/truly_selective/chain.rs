@@ -49,7 +49,7 @@ pub(super) fn splits(rows: u32) -> Result<Vec<(Scheme, u32)>, LedgerError> {
 pub(super) fn figure_2(_: &mut Workshop<'_>, _: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
     let mut table = Table::new(
         "Measured: nodes that are refined to split the vertex that was made first.",
-        &["#collapses", "#one-ring", "#cut-pair", "#four-face", "#dual-piece"],
+        "#collapses | #one-ring | #cut-pair | #four-face | #dual-piece",
     );
     let mut holds = true;
     for rows in [5, 50, 500] {

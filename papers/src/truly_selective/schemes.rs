@@ -63,7 +63,7 @@ pub(super) fn table_1(workshop: &mut Workshop<'_>, _: &Published, entry: &mut En
     let mut table = Table::new(
         "Measured: entries a node as the paper tells the schemes, and what our static orders store of them: the needs that \
          neither the forest nor another need implies.",
-        &["scheme", "order", "#entries a node", "#stored needs a node", "#bytes a node", "#nodes with a need, %"],
+        "scheme | order | #entries a node | #stored needs a node | #bytes a node | #nodes with a need, %",
     );
     let mut stored_needs = Vec::new();
     for (name, scheme, entries) in rows {
@@ -127,11 +127,18 @@ pub(super) fn times(workshop: &mut Workshop<'_>, published: &Published, entry: &
         let steps = bench::steps(&model, &|| begun.elapsed().as_secs_f64());
         Ok::<[f64; 2], LedgerError>([1e3 / steps.refine_per_s, 1e3 / steps.coarsen_per_s])
     };
-    let [dual, faces] = [rates(Stored::dual_piece(&replay))?, rates(Stored::four_face(&replay))?];
+    // In turns, for the machine may have other things to do.
+    let (mut dual, mut faces) = ([f64::INFINITY; 2], [f64::INFINITY; 2]);
+    for _ in 0..3 {
+        for (best, stored) in [(&mut dual, Stored::dual_piece(&replay)), (&mut faces, Stored::four_face(&replay))] {
+            let times = rates(stored)?;
+            *best = [0, 1].map(|i| best[i].min(times[i]));
+        }
+    }
     let printed = published.table("times")?;
     let mut table = Table::new(
         "Measured: all nodes refined and coarsened again by rank, tests included; the best of three.",
-        &["transformation", "#dual pieces, ms", "#printed, ms", "#times faster", "#four faces, ms"],
+        "transformation | #dual pieces, ms | #printed, ms | #times faster | #four faces, ms",
     );
     for (i, name) in ["vsplit", "ecol"].into_iter().enumerate() {
         let ms = printed.number(name, "ms")?;
