@@ -3,9 +3,10 @@
 use crate::certificate::Asked;
 use crate::files::{self, FileError};
 use clap::{Args, ValueEnum};
-use mt_core::{Bound, Camera, Explicit, MultiTessellation};
+use glam::Vec3;
+use mt_core::{Bound, Camera, Explicit, Mesh, MultiTessellation};
 use selective::{ErrorBelow, Focus, Limits, Outcome, Region, State, Strategy, adapt, extract, extract_exact};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// What to extract.
@@ -58,6 +59,22 @@ pub enum PerCell {
     Loose,
     /// By their most demanding point
     Strict,
+}
+
+/// The cameras of a file, a JSON list of them, each checked; without one a path of so many frames once around these points.
+pub fn cameras(path: Option<&Path>, frames: u32, around: &[Vec3]) -> Result<Vec<Camera>, FileError> {
+    let Some(path) = path else {
+        let mesh = Mesh { positions: around.to_vec(), cells: Vec::new() };
+        return Ok(papers::study::camera_path(&mesh, frames));
+    };
+    let cameras: Vec<Camera> = files::load_json(path)?;
+    if cameras.is_empty() {
+        return Err(FileError::new(path, "there is no camera in it"));
+    }
+    for (i, camera) in cameras.iter().enumerate() {
+        camera.check().map_err(|error| FileError::new(path, format!("camera {i}: {error}")))?;
+    }
+    Ok(cameras)
 }
 
 fn parse_region(text: &str) -> Result<Region, String> {

@@ -94,9 +94,11 @@ fn what_cannot_hold_differs() {
         assert_eq!(claim.verdict, Verdict::Differs, "{}", claim.finds);
     }
     for entry in SMALL.iter().filter(|entry| entry.id == "anomalies") {
-        // Six children a fan are what the printed tables have, if one does not count the centre.
-        let is_denied =
-            |claim: &&Claim| claim.verdict == Verdict::Differs && !claim.says.starts_with("The depth of log6 n");
+        // Six children a fan are what the printed tables have, if one does not count the centre; spheres have no folds.
+        let excepted = ["The depth of log6 n", "flips are left open"];
+        let is_denied = |claim: &&Claim| {
+            claim.verdict == Verdict::Differs && !excepted.iter().any(|says| claim.says.starts_with(says))
+        };
         let denied: Vec<_> = entry.claims.iter().filter(is_denied).collect();
         assert!(denied.is_empty(), "{}: {denied:?}", entry.paper);
     }

@@ -4,9 +4,10 @@
 //! whether something lies before it, and what can be seen in one piece is one line. So a drawing is as large as what it
 //! shows, and a line that ends behind another ends within half a pixel of it.
 
-use crate::clip::{Polygon, clip, clip_segment};
+use crate::clip::{Polygon, clip};
 use crate::easel::RenderError;
 use crate::globals::Globals;
+use crate::ink::clip_segment;
 use crate::ramp::Rgba;
 use crate::raster::{Blend, Facet, Sheet};
 use crate::scene::{Scene, Segment};
@@ -67,7 +68,7 @@ impl Drawing {
         for (from, to) in edges(scene) {
             eye.seen(&depths, from, to, &mut |from, to| lines.push(Line { from, to, colour, width: EDGE_WIDTH }));
         }
-        for &Segment { from, to, colour, width_px } in &scene.segments {
+        for &Segment { from, to, colour, width_px } in scene.segments.iter().chain(&scene.marks) {
             let width = width_px * camera.height_px as f32 / 768.0;
             eye.seen(&depths, from, to, &mut |from, to| lines.push(Line { from, to, colour, width }));
         }
@@ -96,7 +97,10 @@ impl Drawing {
         );
         for (([red, green, blue, _], bits), lines) in self.kinds() {
             let stroke = f32::from_bits(bits);
-            _ = write!(svg, "<path fill=\"none\" stroke=\"#{red:02x}{green:02x}{blue:02x}\" stroke-width=\"{stroke}\" stroke-linecap=\"round\" d=\"");
+            _ = write!(
+                svg,
+                "<path fill=\"none\" stroke=\"#{red:02x}{green:02x}{blue:02x}\" stroke-width=\"{stroke}\" stroke-linecap=\"round\" d=\""
+            );
             for line in lines {
                 let [x, y, u, v] = [line.from[0], line.from[1], line.to[0], line.to[1]].map(short);
                 _ = write!(svg, "M{x} {y}L{u} {v}");
@@ -105,7 +109,11 @@ impl Drawing {
         }
         if !self.caption.is_empty() {
             let (x, y) = (width * 0.5, self.height + CAPTION * 0.65);
-            _ = writeln!(svg, "<text x=\"{x}\" y=\"{y}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"{LETTERS}\" text-anchor=\"middle\">{}</text>", escape(&self.caption));
+            _ = writeln!(
+                svg,
+                "<text x=\"{x}\" y=\"{y}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"{LETTERS}\" text-anchor=\"middle\">{}</text>",
+                escape(&self.caption)
+            );
         }
         svg.push_str("</svg>\n");
         svg
@@ -116,7 +124,8 @@ impl Drawing {
         let height = self.page_height();
         let mut content = String::from("1 J\n");
         for (([red, green, blue, _], bits), lines) in self.kinds() {
-            let [red, green, blue] = [red, green, blue].map(|channel| short(f32::from(channel) / 255.0 * 100.0).parse().unwrap_or(0.0) / 100.0);
+            let [red, green, blue] = [red, green, blue]
+                .map(|channel| short(f32::from(channel) / 255.0 * 100.0).parse().unwrap_or(0.0) / 100.0);
             _ = writeln!(content, "{red} {green} {blue} RG {} w", f32::from_bits(bits));
             for line in lines {
                 let [x, y, u, v] = [line.from[0], height - line.from[1], line.to[0], height - line.to[1]].map(short);
@@ -125,7 +134,8 @@ impl Drawing {
             content.push_str("S\n");
         }
         if !self.caption.is_empty() {
-            let text: String = self.caption.chars().map(|c| if c.is_ascii() && !c.is_ascii_control() { c } else { '?' }).collect();
+            let text: String =
+                self.caption.chars().map(|c| if c.is_ascii() && !c.is_ascii_control() { c } else { '?' }).collect();
             let text = text.replace('\\', "\\\\").replace('(', "\\(").replace(')', "\\)");
             // Helvetica is about half as wide as high, on the average.
             let x = (self.width - 0.5 * LETTERS * self.caption.chars().count() as f32).max(0.0) * 0.5;
@@ -140,7 +150,9 @@ fn file(content: &str, width: f32, height: f32) -> Vec<u8> {
     let parts = [
         "<< /Type /Catalog /Pages 2 0 R >>".to_owned(),
         "<< /Type /Pages /Kids [3 0 R] /Count 1 >>".to_owned(),
-        format!("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {width} {height}] /Contents 4 0 R /Resources << /Font << /F1 5 0 R >> >> >>"),
+        format!(
+            "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {width} {height}] /Contents 4 0 R /Resources << /Font << /F1 5 0 R >> >> >>"
+        ),
         format!("<< /Length {} >>\nstream\n{content}endstream", content.len()),
         "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica >>".to_owned(),
     ];
@@ -252,10 +264,21 @@ mod tests {
 
     /// Two squares over each other, the upper one half as large, seen from above.
     fn squares() -> (Scene, Camera) {
-        let square = |side: f32, z: f32| [[-side, -side], [side, -side], [side, side], [-side, side]].map(|[x, y]| Vec3::new(x, y, z));
+        let square = |side: f32, z: f32| {
+            [[-side, -side], [side, -side], [side, side], [-side, side]].map(|[x, y]| Vec3::new(x, y, z))
+        };
         let positions = [square(1.0, 0.0), square(0.5, 0.5)].concat();
         let mesh = Mesh::from_indices(positions, &[[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]);
-        let camera = Camera { eye: Vec3::Z * 4.0, target: Vec3::ZERO, up: Vec3::Y, fov_y_degrees: 40.0, near: 1.0, far: 10.0, width_px: 400, height_px: 400 };
+        let camera = Camera {
+            eye: Vec3::Z * 4.0,
+            target: Vec3::ZERO,
+            up: Vec3::Y,
+            fov_y_degrees: 40.0,
+            near: 1.0,
+            far: 10.0,
+            width_px: 400,
+            height_px: 400,
+        };
         (encode(&mesh, &Look::default()), camera)
     }
 
@@ -272,7 +295,12 @@ mod tests {
         let nearer = 400.0 / (2.0 * (20f32).to_radians().tan() * 3.5);
         let outlines = 8.0 * unit + 4.0 * nearer;
         let diagonals = 2.0 * 2f32.sqrt() * unit;
-        assert!((length(&drawing.lines) - outlines - diagonals).abs() < 12.0, "{} for {}", length(&drawing.lines), outlines + diagonals);
+        assert!(
+            (length(&drawing.lines) - outlines - diagonals).abs() < 12.0,
+            "{} for {}",
+            length(&drawing.lines),
+            outlines + diagonals
+        );
         let alone = Drawing::new(&Scene { corners: scene.corners[..6].to_vec(), ..scene }, &camera, "").unwrap();
         assert!((length(&alone.lines) - 8.0 * unit - diagonals).abs() < 6.0);
     }

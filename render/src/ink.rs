@@ -38,15 +38,41 @@ impl Ink {
         let [top, bottom] = scene.background;
         under.quad(Vec2::ZERO, size, 1.0, top, bottom);
         let mut over = Pen { size, corners: Vec::new() };
-        for hidden in [true, false] {
-            for segment in &scene.segments {
-                over.stroke(segment, globals, scale(camera), hidden);
-            }
-        }
+        let mut stroke = |segments: &[Segment], how| {
+            segments.iter().for_each(|segment| over.stroke(segment, globals, scale(camera), how));
+        };
+        stroke(&scene.segments, How::Trace);
+        stroke(&scene.marks, How::Lifted);
+        stroke(&scene.segments, How::Placed);
         if let Some(legend) = &scene.legend {
             over.legend(legend);
         }
         Self { under: under.corners, over: over.corners }
+    }
+}
+
+/// How a line meets the mesh.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum How {
+    /// Faint, and in front of everything.
+    Trace,
+    /// Where it is.
+    Placed,
+    /// A little nearer than it is, so that the mesh that it lies on does not hide it.
+    Lifted,
+}
+
+/// The share of its distance from the eye that a line is lifted by.
+const LIFT: f32 = 0.003;
+
+impl How {
+    fn depth(self, depth: f32) -> f32 {
+        match self {
+            How::Trace => 0.0,
+            How::Placed => depth,
+            // What a depth lacks of 1 is nearly proportional to the nearness.
+            How::Lifted => depth - (1.0 - depth) * LIFT,
+        }
     }
 }
 
@@ -73,8 +99,8 @@ impl Pen {
         }
     }
 
-    /// The outline of a line with round ends as a fan. The hidden trace is drawn in front of everything.
-    fn stroke(&mut self, segment: &Segment, globals: &Globals, scale: f32, hidden: bool) {
+    /// The outline of a line with round ends as a fan.
+    fn stroke(&mut self, segment: &Segment, globals: &Globals, scale: f32, how: How) {
         let project = |end: [f32; 3]| globals.matrix() * Vec3::from_array(end).extend(1.0);
         let Some(ends) = clip_segment(project(segment.from), project(segment.to)) else { return };
         let place = |end: Vec4| {
@@ -88,7 +114,7 @@ impl Pen {
         let along = (to - from).try_normalize().unwrap_or(Vec2::X);
         let radius = segment.width_px * scale * 0.5;
         let mut colour = segment.colour;
-        if hidden {
+        if how == How::Trace {
             colour[3] = TRACE;
         }
         let rim = |i: usize| {
@@ -97,7 +123,7 @@ impl Pen {
             let step = if around_to { i } else { i - 1 } as f32 / CAP_STEPS as f32;
             let turned = Vec2::from_angle((step - 0.5) * std::f32::consts::PI).rotate(along) * radius;
             let (center, depth) = if around_to { (to, to_depth) } else { (from, from_depth) };
-            (center + turned, if hidden { 0.0 } else { depth })
+            (center + turned, how.depth(depth).max(0.0))
         };
         for i in 1..2 * CAP_STEPS + 1 {
             for (at, depth) in [rim(0), rim(i), rim(i + 1)] {
@@ -148,7 +174,7 @@ impl Pen {
 }
 
 /// The part of a segment between near and far plane.
-fn clip_segment(mut from: Vec4, mut to: Vec4) -> Option<[Vec4; 2]> {
+pub(crate) fn clip_segment(mut from: Vec4, mut to: Vec4) -> Option<[Vec4; 2]> {
     for inside in [|v: Vec4| v.z, |v: Vec4| v.w - v.z] {
         let (a, b) = (inside(from), inside(to));
         if a.is_nan() || b.is_nan() || (a < 0.0 && b < 0.0) {

@@ -14,10 +14,13 @@
 //! | room | what is there |
 //! |---|---|
 //! | `scene`, `ramp` | the encoding: corners and segments, what is shown of a mesh and in which colours |
-//! | `frustum` | the camera seen from outside |
+//! | `frustum`, `edges`, `pieces` | what else is shown: the camera from outside, edges that say something, dual pieces |
 //! | `globals`, `ink`, `font` | what both painters are given alike: projection and light, lines and legends as triangles |
 //! | `clip`, `raster`, `cpu` | the CPU painter: clip, cover samples, shade |
 //! | `gpu`, `shade.wgsl` | the GPU painter, with the feature `gpu` (a default) |
+//! | `animation` | pictures one after the other as one file |
+//! | `finish` | finer pictures, and pictures on no ground |
+//! | `drawing` | vector drawings with hidden lines removed, as SVG and PDF |
 //! | `easel`, `picture` | which painter it is, and what may go wrong; the pixels, and PNG |
 //!
 //! ```
@@ -34,9 +37,13 @@
 //! # Ok::<(), mt_render::RenderError>(())
 //! ```
 
+mod animation;
 mod clip;
 mod cpu;
+mod drawing;
 mod easel;
+mod edges;
+mod finish;
 mod font;
 mod frustum;
 mod globals;
@@ -44,12 +51,18 @@ mod globals;
 mod gpu;
 mod ink;
 mod picture;
+mod pieces;
 mod ramp;
 mod raster;
 mod scene;
 
+pub use animation::Animation;
+pub use drawing::{Drawing, Line};
 pub use easel::{Easel, Painter, Prefer, RenderError, paint};
+pub use edges::{Edges, normal_colours};
+pub use finish::Finish;
 pub use frustum::outside;
 pub use picture::Picture;
+pub use pieces::dual_pieces;
 pub use ramp::{Ramp, Rgba};
 pub use scene::{Corner, Legend, Look, Overlay, Scene, Segment, encode};

@@ -73,6 +73,24 @@ impl Sheet {
         Self { width, rows, depth: vec![[1.0; SAMPLES]; count], colour: vec![[[0; 4]; SAMPLES]; count] }
     }
 
+    /// Whether a place on the screen, with its depth, is not hidden: not farther, but for `slack`, than the farthest sample
+    /// of its pixel and the eight around it.
+    pub(crate) fn shows(&self, place: Vec3, slack: f32) -> bool {
+        let (x, y) = (place.x.floor(), place.y.floor());
+        let height = self.rows.len() as f32;
+        if x < 0.0 || y < 0.0 || x >= self.width as f32 || y >= height {
+            return false;
+        }
+        let around =
+            |middle: f32, end: usize| (middle as usize).saturating_sub(1)..=((middle as usize) + 1).min(end - 1);
+        let rows = around(y, self.rows.len());
+        let farthest = rows
+            .flat_map(|row| around(x, self.width).map(move |column| row * self.width + column))
+            .flat_map(|at| self.depth[at])
+            .fold(0.0, f32::max);
+        place.z <= farthest + slack
+    }
+
     /// The samples' averages, as rows of pixels.
     pub(crate) fn resolve(&self, rgba: &mut [u8]) {
         for (pixel, samples) in rgba.chunks_exact_mut(4).zip(&self.colour) {

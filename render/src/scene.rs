@@ -28,7 +28,7 @@ pub struct Segment {
     pub from: [f32; 3],
     /// The other end.
     pub to: [f32; 3],
-    /// Colour; where the line is hidden behind the mesh a trace of it shows through.
+    /// Colour.
     pub colour: Rgba,
     /// Width in pixels of a picture 768 pixels high.
     pub width_px: f32,
@@ -55,8 +55,10 @@ pub struct Scene {
     pub origin: Vec3,
     /// The triangles, three corners each.
     pub corners: Vec<Corner>,
-    /// The lines, drawn over the triangles.
+    /// The lines, drawn over the triangles; where the mesh hides them a trace shows through.
     pub segments: Vec<Segment>,
+    /// Lines that lie on the mesh: what is hidden of them is not drawn.
+    pub marks: Vec<Segment>,
     /// Colour of the triangles' edges; `None` leaves them out.
     pub wire: Option<Rgba>,
     /// Colours behind everything, at the top and at the bottom of the picture.
@@ -116,6 +118,7 @@ impl Default for Scene {
             origin: Vec3::ZERO,
             corners: Vec::new(),
             segments: Vec::new(),
+            marks: Vec::new(),
             wire: None,
             background: [[250, 251, 252, 255], [218, 222, 227, 255]],
             legend: None,

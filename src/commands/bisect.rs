@@ -3,13 +3,14 @@
 use super::{CommandError, print_json, print_text};
 use crate::files::{self, FileError, Model};
 use crate::progress::{Progress, interrupted};
+use crate::selection;
 use crate::subject::Subject;
 use clap::Args;
 use mt_core::check::{Breach, Law, Random};
 use mt_core::log::{Log, Timeline, bisect};
 use mt_core::mesh::area_vector;
 use mt_core::model::{MultiTessellation, cells_of, mesh_of};
-use mt_core::{Bound, Camera, CellId, Mesh, cell};
+use mt_core::{Bound, CellId, Mesh, cell};
 use multi_tessellation::verify::{self, Summary};
 use selective::{Limits, ScreenError, State, adapt};
 use serde_json::json;
@@ -135,19 +136,7 @@ impl Bisect {
 
     /// The log of a camera path.
     fn recorded<M: MultiTessellation<3, Bound = Bound>>(&self, model: &M) -> Result<Log, CommandError> {
-        let cameras: Vec<Camera> = match &self.cameras {
-            Some(path) => {
-                let cameras: Vec<Camera> = files::load_json(path)?;
-                for (i, camera) in cameras.iter().enumerate() {
-                    camera.check().map_err(|error| FileError::new(path, format!("camera {i}: {error}")))?;
-                }
-                cameras
-            }
-            None => {
-                let mesh = Mesh { positions: model.positions().to_vec(), cells: Vec::new() };
-                papers::study::camera_path(&mesh, self.frames)
-            }
-        };
+        let cameras = selection::cameras(self.cameras.as_deref(), self.frames, model.positions())?;
         let mut log = Log::new(model.len());
         let mut state = State::new(model, ());
         let mut progress = Progress::new("adapting", cameras.len() as u64);

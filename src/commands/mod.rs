@@ -6,6 +6,7 @@ mod build;
 mod extract;
 mod history;
 mod info;
+mod movie;
 mod paper;
 mod render;
 mod study;
@@ -44,6 +45,8 @@ enum Command {
     Bisect(bisect::Bisect),
     /// Make a picture of an extracted mesh
     Render(render::Render),
+    /// Make a picture of each frame of a camera path
+    Movie(movie::Movie),
     /// Build, extract along a camera path, measure and render; write a report
     Study(study::Study),
     /// Reproduce tables and figures of papers, published beside measured; write the ledger
@@ -80,6 +83,7 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Verify(command) => command.run(),
         Command::Bisect(command) => command.run(),
         Command::Render(command) => command.run(),
+        Command::Movie(command) => command.run(),
         Command::Study(command) => command.run(),
         Command::Paper(command) => command.run(),
         Command::Bench(command) => command.run(),

@@ -2,6 +2,7 @@
 
 use super::{CommandError, print_text};
 use crate::files;
+use crate::memory;
 use crate::progress::Progress;
 use clap::Args;
 use papers::ledger::{
@@ -47,7 +48,15 @@ impl Paper {
         let folder = self.output.clone().unwrap_or_else(|| default.into());
         let new_folder = files::make_folder(&folder)?;
         files::check_writable(&folder)?;
+        // Minutes of work are not to end at a place that cannot be written.
+        if self.all {
+            files::make_folder(&folder.join("ledger"))?;
+            files::check_place(&folder.join("LEDGER.md"))?;
+        }
         let made = self.make(&items);
+        if made.is_err() {
+            files::remove_empty_folder(&folder.join("ledger"));
+        }
         if made.is_err() && new_folder {
             files::remove_empty_folder(&folder);
         }
@@ -83,7 +92,8 @@ impl Paper {
         }
         // The text comes last: where it is, everything it tells of is.
         let (name, text) = if self.all {
-            let text = ledger::ledger(entries, &self.told()).map_err(|error| CommandError::Other(error.to_string()))?;
+            let text =
+                ledger::ledger(entries, &told(entries)).map_err(|error| CommandError::Other(error.to_string()))?;
             ("LEDGER.md".to_owned(), text)
         } else {
             (file_of(entries), entries.iter().map(ledger::markdown).collect())
@@ -92,21 +102,20 @@ impl Paper {
         print_text(&summary(entries, &folder.join(name)));
         Ok(())
     }
+}
 
-    /// One sentence on models and threads, for whoever reads times.
-    fn told(&self) -> String {
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let models = match data() {
-            _ if self.small => "small generated models",
-            Some(_) => "the models of a folder named by MT_DATA",
-            None => "generated models, since MT_DATA names no folder of real ones",
-        };
-        let version = env!("CARGO_PKG_VERSION");
-        format!(
-            "This one was made by version {version} on {models}, on {} with {cores} threads at hand.",
-            std::env::consts::ARCH
-        )
-    }
+/// One sentence on models and threads, for whoever reads times.
+fn told(entries: &[Entry]) -> String {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    // What is generated in every run has no name of a file before it.
+    let of_files = entries.iter().flat_map(|entry| &entry.models).any(|model| model.contains('/'));
+    let models = if of_files {
+        "on models of files, and generated ones where a line says so"
+    } else {
+        "on generated models alone"
+    };
+    let (version, machine) = (env!("CARGO_PKG_VERSION"), std::env::consts::ARCH);
+    format!("This one was made by version {version} {models}, on {machine} with {cores} threads at hand.")
 }
 
 fn data() -> Option<PathBuf> {
@@ -123,7 +132,10 @@ impl Shelf for Folder {
             eprintln!("{}: no such file; something generated stands in for it", path.display());
             return Ok(None);
         }
-        files::read(&path).map(Some).map_err(|error| LedgerError::Model(file.to_owned(), error.to_string()))
+        let wrong = |error: &dyn std::fmt::Display| LedgerError::Model(file.to_owned(), error.to_string());
+        let length = files::length(&path).map_err(|error| wrong(&error))?;
+        memory::allow("making models of it", memory::of_loading_mesh(length)).map_err(|error| wrong(&error))?;
+        files::read(&path).map(Some).map_err(|error| wrong(&error))
     }
 }
 
@@ -135,7 +147,8 @@ fn shelf(small: bool) -> Result<Box<dyn Shelf>, CommandError> {
         eprintln!("MT_DATA names no folder of models: generated ones stand in for them");
         return Ok(Box::new(Bare));
     };
-    files::check_folder(&folder)?;
+    files::check_folder(&folder)
+        .map_err(|error| CommandError::Other(format!("{DATA} names no folder of models: {error}")))?;
     Ok(Box::new(Folder(folder)))
 }
 

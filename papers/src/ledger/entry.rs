@@ -77,6 +77,9 @@ impl Claim {
     /// A statement that measuring decides. `why` is told where it does not hold.
     pub fn check(says: &str, holds: bool, finds: impl Into<String>, why: &str) -> Self {
         let mut finds = finds.into();
+        if ["NaN", "inf "].iter().any(|nothing| finds.contains(nothing)) {
+            return Self::open(says, format!("{finds}: these models are too small to tell"));
+        }
         if !holds {
             let why = if why.is_empty() { "we do not know" } else { why };
             finds = format!("{finds}. Why: {why}");

@@ -19,7 +19,7 @@ mod workshop;
 
 pub use entry::{Claim, Entry, Figure, Verdict};
 pub use pages::{ledger, markdown};
-pub(crate) use paint::{Brush, close_up, dual_pieces, share};
+pub(crate) use paint::{Brush, close_up, share};
 pub use published::{Printed, Published, PublishedTable};
 pub use raster::{Coding, Raster};
 pub(crate) use roles::{BUNNY, COW, HORSE, edge_collapse, fuji};
@@ -126,7 +126,7 @@ pub fn paper(name: &str) -> Result<&'static Paper, LedgerError> {
     let mut names = Vec::new();
     for paper in &PAPERS {
         let published = paper.published()?;
-        if published.name == name || published.key == name {
+        if plain(&published.name) == plain(name) || published.key == name {
             return Ok(paper);
         }
         names.push(published.name);

@@ -3,22 +3,24 @@
 use super::{Entry, LedgerError, PAPERS, Verdict};
 use crate::table::Table;
 
-/// An entry by itself, with its figures in it, by their file names.
+/// An entry by itself, with its models at its head and its figures in it, by their file names.
 pub fn markdown(entry: &Entry) -> String {
-    let mut text = body(entry, "##");
-    for model in &entry.models {
-        text += &format!("- {model}\n");
-    }
-    text.push('\n');
+    let mut text = body(entry, "##", &entry.models);
     for figure in &entry.figures {
         text += &format!("![{}]({})\n\n*{}*\n\n", figure.caption, figure.name, figure.caption);
     }
     text
 }
 
-fn body(entry: &Entry, heading: &str) -> String {
+fn body(entry: &Entry, heading: &str, models: &[String]) -> String {
     let mut text = format!("{heading} {}, {}: {}\n\n", entry.paper, spoken(&entry.id), entry.title);
     text += &format!("`mtess paper {} {}`\n\n", entry.paper, entry.id);
+    for model in models {
+        text += &format!("- {model}\n");
+    }
+    if !models.is_empty() {
+        text.push('\n');
+    }
     for table in entry.published.iter().chain(&entry.measured) {
         text += &(table.markdown() + "\n");
     }
@@ -54,16 +56,24 @@ fn spoken(id: &str) -> String {
 pub fn ledger(entries: &[Entry], machine: &str) -> Result<String, LedgerError> {
     let mut text = String::from(INTRODUCTION);
     text += &format!("{machine}\n\n");
-    let mut overview = Table::new("", "paper | item | #holds | #differs | #open | #ours hold | #noticed | #seconds");
+    let mut overview = Table::new(
+        "",
+        "paper | item | #holds | #differs | #open | ours: hold, differ | noticed: so, not so, open | #seconds",
+    );
     for entry in entries {
-        let is_noticed = entry.id == "anomalies";
-        let papers = [Verdict::Holds, Verdict::Differs, Verdict::Open].map(|verdict| entry.count(verdict, false));
-        let (ours, noticed) = (entry.count(Verdict::Holds, true), entry.claims.len());
-        let shown = |count: usize| if count == 0 { String::new() } else { count.to_string() };
-        let counts = if is_noticed { [0, 0, 0, 0, noticed] } else { [papers[0], papers[1], papers[2], ours, 0] };
+        let counts =
+            |is_ours| [Verdict::Holds, Verdict::Differs, Verdict::Open].map(|verdict| entry.count(verdict, is_ours));
+        let (papers, ours) = (counts(false), counts(true));
+        let told = |counts: &[usize]| {
+            let is_none = counts.iter().all(|&count| count == 0);
+            if is_none { String::new() } else { counts.iter().map(usize::to_string).collect::<Vec<_>>().join(", ") }
+        };
+        let shown = papers.map(|count| told(&[count]));
+        let none = || std::array::from_fn(|_| String::new());
+        let (papers, noticed) = if entry.id == "anomalies" { (none(), told(&papers)) } else { (shown, String::new()) };
         let item = format!("{}: {}", spoken(&entry.id), entry.title);
         let seconds = format!("{:.1}", entry.seconds);
-        overview.row([entry.paper.clone(), item].into_iter().chain(counts.map(shown)).chain([seconds]));
+        overview.row([entry.paper.clone(), item].into_iter().chain(papers).chain([told(&ours[..2]), noticed, seconds]));
     }
     text += &(overview.markdown() + "\n");
     for paper in &PAPERS {
@@ -80,7 +90,7 @@ pub fn ledger(entries: &[Entry], machine: &str) -> Result<String, LedgerError> {
         models.iter().for_each(|model| text += &format!("- {model}\n"));
         text.push('\n');
         for entry in of_paper() {
-            text += &body(entry, "###");
+            text += &body(entry, "###", &[]);
             for figure in &entry.figures {
                 text += &format!("- `{}`: {}\n", figure.name, figure.caption);
             }

@@ -198,6 +198,9 @@ impl<'a> Workshop<'a> {
         let begun = Instant::now();
         let replay = Replay::new(&subject.mesh, &operator.links(&subject.mesh), &sequence)
             .map_err(|error| LedgerError::Hierarchy(subject.name.to_owned(), HierarchyError::from(error)))?;
+        if replay.is_empty() {
+            return Err(LedgerError::Model(subject.from.clone(), "there is nothing to coarsen in it".to_owned()));
+        }
         let made = Sequenced { replay: Arc::new(replay), seconds, seconds_replay: begun.elapsed().as_secs_f64() };
         self.sequences.insert(key, made.clone());
         Ok(made)
@@ -213,6 +216,9 @@ impl<'a> Workshop<'a> {
         let mut recorder = Recorder::new(&subject.mesh).map_err(|error| failed(error.into()))?;
         self.analyse(subject, operator, &mut recorder)?;
         let model = Arc::new(recorder.finish(Default::default()).map_err(|error| failed(error.into()))?);
+        if mt_core::MultiTessellation::is_empty(&*model) {
+            return Err(LedgerError::Model(subject.from.clone(), "there is nothing to coarsen in it".to_owned()));
+        }
         self.explicit.insert(key, Arc::clone(&model));
         Ok(model)
     }

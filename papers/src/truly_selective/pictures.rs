@@ -3,9 +3,7 @@
 use super::models::{Asked, Column, asking, column, facing};
 use super::table_2::printed_share;
 use super::wish::{SCHEMES, Wished};
-use crate::ledger::{
-    Brush, Claim, Entry, Figure, HORSE, LedgerError, Published, Workshop, close_up, dual_pieces, edge_collapse,
-};
+use crate::ledger::{Brush, Claim, Entry, Figure, HORSE, LedgerError, Published, Workshop, close_up, edge_collapse};
 use glam::Vec3;
 use mt_core::check;
 use mt_core::model::mesh_of;
@@ -41,7 +39,7 @@ fn pieces(replay: &Replay, front: &Front) -> Scene {
     let above = check::active_ancestors(replay, front);
     // Lines as wide as pieces would hide them.
     let width_px = if front.len() > 1000 { 0.5 } else { 1.2 };
-    dual_pieces(&replay.reference(), width_px, |v| above[v.index()])
+    render::dual_pieces(&replay.reference(), width_px, |v| above[v.index()])
 }
 
 pub(super) fn figure_4(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entry) -> Result<(), LedgerError> {
@@ -279,7 +277,7 @@ pub(super) fn figure_11(workshop: &mut Workshop<'_>, _: &Published, entry: &mut 
     let sides = facing(&subject.mesh, camera.eye);
     let [outline, elsewhere] = kept(&replay, &front, |v| sides[v.index()] == [true, true]);
     entry.claims.push(Claim::check(
-        "the mesh is refined around the silhouette alone",
+        "selective refinement around the silhouette (and coarse elsewhere)",
         outline > 0.99 && elsewhere < 0.3,
         format!(
             "of the input's vertices between triangles that face the eye and triangles that face away {:.1} % are there as they \

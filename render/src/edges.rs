@@ -1,0 +1,106 @@
+//! Edges that say something of a mesh: boundaries, edges of more than two triangles, the outline for an eye; and colours by
+//! normals.
+
+use crate::ramp::Rgba;
+use crate::scene::{Scene, Segment};
+use glam::{DVec3, Vec3};
+use mt_core::mesh::area_vector;
+use mt_core::{Mesh, VertexId};
+
+/// What edges are drawn, and in which colours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Edges {
+    /// Those of one triangle in blue, those of more than two in red.
+    Boundary,
+    /// Those between a triangle that faces an eye and one that does not, and boundaries; black.
+    Outline(Vec3),
+}
+
+const OPEN: Rgba = [30, 90, 200, 255];
+const SEWN: Rgba = [220, 30, 40, 255];
+const OUTLINE: Rgba = [10, 10, 12, 255];
+
+impl Scene {
+    /// Adds edges of `mesh`, which is the mesh of this scene, as lines. Gives how many. O(cells log cells).
+    pub fn add_edges(&mut self, mesh: &Mesh<3>, which: Edges) -> usize {
+        let before = self.marks.len();
+        let mut sides: Vec<([VertexId; 2], u32)> = Vec::with_capacity(3 * mesh.cells.len());
+        for (i, cell) in mesh.cells.iter().enumerate() {
+            sides.extend((0..3).map(|k| {
+                let (a, b) = (cell[k], cell[(k + 1) % 3]);
+                ([a.min(b), a.max(b)], i as u32)
+            }));
+        }
+        sides.sort_unstable();
+        for run in sides.chunk_by(|a, b| a.0 == b.0) {
+            let Some((colour, width_px)) = style(mesh, run, which) else { continue };
+            let [from, to] = run[0].0.map(|v| (mesh.positions[v.index()] - self.origin).to_array());
+            self.marks.push(Segment { from, to, colour, width_px });
+        }
+        self.marks.len() - before
+    }
+}
+
+/// How an edge of these triangles is drawn, if it is.
+fn style(mesh: &Mesh<3>, run: &[([VertexId; 2], u32)], which: Edges) -> Option<(Rgba, f32)> {
+    match (which, run.len()) {
+        (Edges::Boundary, 1) => Some((OPEN, 2.5)),
+        (Edges::Boundary, 2) => None,
+        (Edges::Boundary, _) => Some((SEWN, 3.5)),
+        (Edges::Outline(_), 1) => Some((OUTLINE, 2.0)),
+        (Edges::Outline(eye), _) => {
+            let towards = |&(_, cell): &([VertexId; 2], u32)| {
+                let corners = mesh.cells[cell as usize].map(|v| mesh.positions[v.index()].as_dvec3());
+                area_vector(corners).dot(eye.as_dvec3() - corners[0]) > 0.0
+            };
+            let first = towards(&run[0]);
+            run.iter().any(|side| towards(side) != first).then_some((OUTLINE, 2.0))
+        }
+    }
+}
+
+/// A colour for each cell by its normal: the three coordinates as red, green and blue.
+pub fn normal_colours(mesh: &Mesh<3>) -> Vec<Rgba> {
+    let colour = |cell: &[VertexId; 3]| {
+        let normal: DVec3 = area_vector(cell.map(|v| mesh.positions[v.index()].as_dvec3())).normalize_or_zero();
+        let [red, green, blue] = normal.to_array().map(|x| (127.5 + 110.0 * x) as u8);
+        [red, green, blue, 255]
+    };
+    mesh.cells.iter().map(colour).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Look, encode};
+    use mt_core::generate::{cylinder, fan3, sphere};
+
+    fn count(mesh: &Mesh<3>, which: Edges) -> usize {
+        encode(mesh, &Look::default()).add_edges(mesh, which)
+    }
+
+    #[test]
+    fn boundaries_and_sewn_edges_are_found() {
+        assert_eq!(count(&cylinder(8, 3), Edges::Boundary), 16);
+        assert_eq!(count(&sphere(2), Edges::Boundary), 0);
+        // Three triangles about one edge: six open sides and one with too many.
+        let fan = fan3();
+        let mut scene = encode(&fan, &Look::default());
+        assert_eq!(scene.add_edges(&fan, Edges::Boundary), 7);
+        assert_eq!(scene.marks.iter().filter(|segment| segment.colour == SEWN).count(), 1);
+    }
+
+    #[test]
+    fn the_outline_of_a_sphere_is_a_ring() {
+        let mesh = sphere(3);
+        let eye = Vec3::new(0.3, 0.2, 9.0);
+        let mut scene = encode(&mesh, &Look::default());
+        let count = scene.add_edges(&mesh, Edges::Outline(eye));
+        assert!(count > 20 && count < 120, "{count}");
+        // Each of its vertices is on two edges of it: a closed line.
+        let mut ends: Vec<[u32; 3]> =
+            scene.marks.iter().flat_map(|s| [s.from, s.to]).map(|p| p.map(f32::to_bits)).collect();
+        ends.sort_unstable();
+        assert!(ends.chunk_by(|a, b| a == b).all(|run| run.len() % 2 == 0));
+    }
+}
