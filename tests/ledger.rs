@@ -94,8 +94,9 @@ fn what_cannot_hold_differs() {
         assert_eq!(claim.verdict, Verdict::Differs, "{}", claim.finds);
     }
     for entry in SMALL.iter().filter(|entry| entry.id == "anomalies") {
-        // Six children a fan are what the printed tables have, if one does not count the centre; spheres have no folds.
-        let excepted = ["The depth of log6 n", "flips are left open"];
+        // Six children a fan are what the printed tables have, if one does not count the centre; and what small spheres and
+        // fields do not show.
+        let excepted = ["The depth of log6 n", "flips are left open", "contraction and expansion oscillate"];
         let is_denied = |claim: &&Claim| {
             claim.verdict == Verdict::Differs && !excepted.iter().any(|says| claim.says.starts_with(says))
         };

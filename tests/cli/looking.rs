@@ -48,6 +48,8 @@ fn overlays_and_viewpoints_show() {
         "--overlay wireframe --overlay level",
         "--from-outside",
         "--from-outside --overlay error --overlay wireframe",
+        "--overlay normals",
+        "--overlay outline",
     ];
     let pictures = choices.map(|choice| render(&room, &format!("--camera camera.json --size 120x90 {choice}")).2);
     for (i, one) in pictures.iter().enumerate() {
@@ -63,9 +65,53 @@ fn overlays_and_viewpoints_show() {
 fn what_cannot_be_drawn_is_refused() {
     let room = ball();
     room.refused("render ball.mt --error 0.1 -o out.jpg", "out.jpg");
-    room.refused("render ball.mt --error 0.1 --overlay error --overlay level -o out.png", "error or level");
+    room.refused("render ball.mt --error 0.1 --overlay error --overlay level -o out.png", "error, level, normals");
+    room.refused("render ball.mt --error 0.1 --overlay pieces -o out.png", "vertex hierarchy");
+    room.refused("render ball.mt --error 0.1 --transparent -o out.svg", "--transparent");
+    room.refused("render ball.mt --error 0.1 --caption no -o out.png", "--caption");
     room.refused("render ball.mt --error 0.1 -o nowhere/out.png", "nowhere");
     room.write_camera("bad.json", &Camera { near: 0.0, ..ball_camera() });
     room.refused("render ball.mt --error 0.1 --look-from bad.json -o out.png", "bad.json");
     room.refused("render ball.mt --camera bad.json -o out.png", "bad.json");
+}
+
+#[test]
+fn drawings_have_lines_and_a_line_of_text() {
+    let room = ball();
+    room.write_camera("camera.json", &ball_camera());
+    let told = room.good("render ball.mt --camera camera.json --pixels 2 -o out.svg");
+    assert!(told.out.contains("of 1280 triangles, drawn in "), "{}", told.out);
+    let svg = String::from_utf8(room.read("out.svg")).unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("ball.mt, cells, 2 px on the screen: "), "{}", &svg[..400]);
+    let more = room.good("render ball.mt --reference --overlay outline --caption (here) -o out.pdf");
+    let pdf = String::from_utf8(room.read("out.pdf")).unwrap();
+    assert!(pdf.starts_with("%PDF-1.4") && pdf.contains("(\\(here\\)) Tj"), "{more:?}");
+}
+
+#[test]
+fn a_ground_can_be_left_out_and_pieces_be_shown() {
+    let room = ball();
+    room.good("build ball.ply -o pieces.mt --dependency dual-piece");
+    room.good(
+        "render pieces.mt --cells 60 --overlay pieces --transparent --finer 2 --size 64x48 --painter cpu -o out.png",
+    );
+    let (width, height, pixels) = picture(&room, "out.png");
+    assert_eq!((width, height), (64, 48));
+    let opacity = |x: usize, y: usize| pixels[4 * (y * 64 + x) + 3];
+    assert_eq!((opacity(0, 0), opacity(32, 24)), (0, 255));
+}
+
+#[test]
+fn movies_are_frames_and_one_file() {
+    let room = ball();
+    let told = room.good("movie ball.mt --frames 3 --pixels 4 --size 40x30 --wireframe --animation all.png -o frames");
+    assert!(told.out.contains("frames: 3 frames"), "{}", told.out);
+    for name in ["frames/0001.png", "frames/0003.png", "all.png"] {
+        let (width, height, _) = picture(&room, name);
+        assert_eq!((width, height), (40, 30), "{name}");
+    }
+    room.good("build ball.ply -o pieces.mt --dependency dual-piece");
+    room.good("movie pieces.mt --frames 2 --size 20x10 --from-outside --boundary -o frames");
+    room.refused("movie ball.mt --frames 2 --animation all.gif -o frames", "all.gif");
+    room.refused("movie ball.mt --cameras nothing.json -o frames", "nothing.json");
 }

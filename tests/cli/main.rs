@@ -9,5 +9,6 @@ mod keeping;
 mod kit;
 mod looking;
 mod refusing;
+mod reproducing;
 mod studying;
 mod verifying;

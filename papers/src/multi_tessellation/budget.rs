@@ -69,7 +69,7 @@ impl Trial {
     fn new(workshop: &mut Workshop<'_>) -> Result<Self, LedgerError> {
         let subject = workshop.subject(&FIELD)?;
         let budget = (subject.mesh.cell_count() / 20) as u32;
-        let cameras = camera_path(&subject.mesh, workshop.pick(40, 8));
+        let cameras = camera_path(&subject.mesh, workshop.pick(40, 16));
         Ok(Self { subject, cameras, budget })
     }
 

@@ -29,5 +29,5 @@ const FIELD: Role = Role {
     name: "field",
     file: "terrain/fuji.png",
     grid: fuji(Some([100, 100, 257, 257])),
-    stand_in: |size| terrain(if size == Size::Small { 20 } else { 128 }, 0.5, 5),
+    stand_in: |size| terrain(if size == Size::Small { 48 } else { 128 }, 0.5, 5),
 };
