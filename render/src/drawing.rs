@@ -164,7 +164,7 @@ fn file(content: &str, width: f32, height: f32) -> Vec<u8> {
     }
     let table = bytes.len();
     _ = write!(bytes, "xref\n0 {}\n0000000000 65535 f \n", parts.len() + 1);
-    places.iter().for_each(|place| _ = write!(bytes, "{place:010} 00000 n \n"));
+    places.iter().for_each(|place| _ = writeln!(bytes, "{place:010} 00000 n "));
     _ = write!(bytes, "trailer\n<< /Size {} /Root 1 0 R >>\nstartxref\n{table}\n%%EOF\n", parts.len() + 1);
     bytes.into_bytes()
 }

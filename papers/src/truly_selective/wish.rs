@@ -12,6 +12,11 @@ use std::sync::Arc;
 pub(super) const SCHEMES: [(&str, Scheme); 3] =
     [("Xia, Varshney", Scheme::OneRing), ("Hoppe", Scheme::FourFace), ("Kim, Lee", Scheme::DualPiece)];
 
+/// The hierarchy of a static scheme.
+pub(super) type Static = Hierarchy<Stored>;
+/// Its state at a front.
+pub(super) type At = State<3, Static, ()>;
+
 /// Nodes that are asked for, with those above them in the forest.
 pub(super) struct Wished {
     pub(super) replay: Arc<Replay>,
@@ -49,10 +54,7 @@ impl Wished {
     }
 
     /// The hierarchy of a static scheme, and its state at the scheme's front.
-    pub(super) fn state(
-        &self,
-        scheme: Scheme,
-    ) -> Result<(Hierarchy<Stored>, State<3, Hierarchy<Stored>, ()>), LedgerError> {
+    pub(super) fn state(&self, scheme: Scheme) -> Result<(Static, At), LedgerError> {
         let wrong = |error| LedgerError::Hierarchy(scheme.name().into(), error);
         let stored = scheme.stored(&self.replay).map_err(wrong)?;
         let dependency = stored.ok_or_else(|| LedgerError::Data(format!("{scheme} is no static order")))?;
