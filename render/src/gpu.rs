@@ -29,7 +29,7 @@ pub(crate) struct Gpu {
 }
 
 /// Where a picture is painted, resolved and read back.
-struct Canvas {
+pub(crate) struct Canvas {
     samples: wgpu::TextureView,
     depth: wgpu::TextureView,
     resolved: wgpu::Texture,
@@ -38,6 +38,16 @@ struct Canvas {
     row: u32,
     bytes: wgpu::Buffer,
 }
+
+impl Canvas {
+    /// Pixels in a row, and rows.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        [self.size.width, self.size.height]
+    }
+}
+
+/// Vertices on the device, and how many.
+type Buffers = Vec<(wgpu::Buffer, u32)>;
 
 impl Gpu {
     /// The first adapter that offers itself, hardware before software.
@@ -57,13 +67,49 @@ impl Gpu {
 
     /// Paints and waits for the picture.
     pub(crate) fn paint(&self, scene: &Scene, camera: &Camera) -> Result<Picture, RenderError> {
-        self.check_size(camera)?;
-        let canvas = guarded(&self.device, || {
-            let canvas = self.canvas(camera);
-            self.draw(scene, camera, &canvas);
-            Ok(canvas)
+        let canvas = self.new_canvas(camera)?;
+        let triangles = guarded(&self.device, || Ok(self.upload::<Corner>(&scene.corners)))?;
+        self.paint_buffers(scene, camera, &canvas, triangles)
+    }
+
+    /// The same of triangles that are on the device already.
+    pub(crate) fn paint_buffers(
+        &self,
+        scene: &Scene,
+        camera: &Camera,
+        canvas: &Canvas,
+        triangles: Buffers,
+    ) -> Result<Picture, RenderError> {
+        guarded(&self.device, || {
+            self.draw(scene, camera, canvas, triangles);
+            Ok(())
         })?;
-        self.read(&canvas)
+        self.read(canvas)
+    }
+
+    /// A canvas of a camera's size, where the device has room for it.
+    pub(crate) fn new_canvas(&self, camera: &Camera) -> Result<Canvas, RenderError> {
+        self.check_size(camera)?;
+        guarded(&self.device, || Ok(self.canvas(camera)))
+    }
+
+    /// An empty buffer for vertices, that can be written to.
+    pub(crate) fn vertex_buffer(&self, size: u64) -> Result<wgpu::Buffer, RenderError> {
+        let limit = self.device.limits().max_buffer_size;
+        if size > limit {
+            return Err(RenderError::TooLarge { what: "the triangles of a view, in bytes,", size, limit });
+        }
+        let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
+        let descriptor = wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
+        guarded(&self.device, || Ok(self.device.create_buffer(&descriptor)))
+    }
+
+    /// Does work with the queue; what the device refuses comes back as an error.
+    pub(crate) fn guarded(&self, work: impl FnOnce(&wgpu::Queue)) -> Result<(), RenderError> {
+        guarded(&self.device, || {
+            work(&self.queue);
+            Ok(())
+        })
     }
 
     fn check_size(&self, camera: &Camera) -> Result<(), RenderError> {
@@ -109,7 +155,7 @@ impl Gpu {
         }
     }
 
-    fn draw(&self, scene: &Scene, camera: &Camera, canvas: &Canvas) {
+    fn draw(&self, scene: &Scene, camera: &Camera, canvas: &Canvas, triangles: Buffers) {
         let globals = Globals::new(scene, camera);
         let ink = Ink::new(scene, camera, &globals);
         let uniform = self.device.create_buffer_init(&BufferInitDescriptor {
@@ -124,7 +170,7 @@ impl Gpu {
         });
         let layers = [
             (&self.ink, self.upload::<InkCorner>(&ink.under)),
-            (&self.mesh, self.upload::<Corner>(&scene.corners)),
+            (&self.mesh, triangles),
             (&self.ink, self.upload::<InkCorner>(&ink.over)),
         ];
         let mut encoder = self.device.create_command_encoder(&Default::default());
@@ -145,7 +191,7 @@ impl Gpu {
     }
 
     /// Vertices as buffers within the device's limits, cut between triangles, with the count in each.
-    fn upload<T: Pod>(&self, corners: &[T]) -> Vec<(wgpu::Buffer, u32)> {
+    fn upload<T: Pod>(&self, corners: &[T]) -> Buffers {
         let most = self.device.limits().max_buffer_size.min(CHUNK) as usize / size_of::<T>() / 3 * 3;
         let buffer = |chunk: &[T]| {
             let contents = bytemuck::cast_slice(chunk);
@@ -161,7 +207,7 @@ impl Gpu {
         encoder: &mut wgpu::CommandEncoder,
         canvas: &Canvas,
         group: &wgpu::BindGroup,
-        layers: &[(&wgpu::RenderPipeline, Vec<(wgpu::Buffer, u32)>)],
+        layers: &[(&wgpu::RenderPipeline, Buffers)],
     ) {
         let resolved = canvas.resolved.create_view(&Default::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -202,6 +248,9 @@ impl Gpu {
         for padded in mapped.chunks_exact(canvas.row as usize) {
             rgba.extend_from_slice(&padded[..row]);
         }
+        // A canvas is painted on again.
+        drop(mapped);
+        canvas.bytes.unmap();
         Ok(Picture { width, height, rgba })
     }
 }

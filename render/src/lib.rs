@@ -21,6 +21,7 @@
 //! | `animation` | pictures one after the other as one file |
 //! | `finish` | finer pictures, and pictures on no ground |
 //! | `drawing` | vector drawings with hidden lines removed, as SVG and PDF |
+//! | `live`, `stage` | a mesh that changes, and its triangles on the device, which hear of changes alone |
 //! | `easel`, `picture` | which painter it is, and what may go wrong; the pixels, and PNG |
 //!
 //! ```
@@ -50,11 +51,14 @@ mod globals;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod ink;
+mod live;
 mod picture;
 mod pieces;
 mod ramp;
 mod raster;
 mod scene;
+#[cfg(feature = "gpu")]
+mod stage;
 
 pub use animation::Animation;
 pub use drawing::{Drawing, Line};
@@ -62,7 +66,10 @@ pub use easel::{Easel, Painter, Prefer, RenderError, paint};
 pub use edges::{Edges, normal_colours};
 pub use finish::Finish;
 pub use frustum::outside;
+pub use live::LiveMesh;
 pub use picture::Picture;
 pub use pieces::dual_pieces;
 pub use ramp::{Ramp, Rgba};
 pub use scene::{Corner, Legend, Look, Overlay, Scene, Segment, encode};
+#[cfg(feature = "gpu")]
+pub use stage::{Stage, Uploaded};
