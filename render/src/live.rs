@@ -137,7 +137,8 @@ mod tests {
         let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::NAN];
         let mut mesh = LiveMesh::new(&positions, 100, Vec3::ZERO, [9; 4]);
         (0..40).for_each(|i| mesh.make(CellId(i), cell([0, 1, 2])));
-        assert_eq!((mesh.take_changes(), mesh.take_changes()), (vec![0..40], vec![]));
+        assert_eq!(mesh.take_changes().as_slice(), std::slice::from_ref(&(0..40)));
+        assert!(mesh.take_changes().is_empty());
         mesh.kill(CellId(7));
         mesh.kill(CellId(30));
         mesh.relabel(CellId(31), cell([1, 2, 0]));
