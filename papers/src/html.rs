@@ -2,6 +2,17 @@
 
 pub use crate::table::{Align, Table};
 
+/// A picture among others.
+#[derive(Clone, Copy, Debug)]
+pub struct Shot<'a> {
+    /// The bytes of a PNG file, which are part of the page.
+    pub png: &'a [u8],
+    /// What it shows.
+    pub caption: &'a str,
+    /// What makes it; may be empty.
+    pub command: &'a str,
+}
+
 /// A page on its way: each call adds a block at the end.
 #[derive(Clone, Debug)]
 pub struct Page {
@@ -71,10 +82,19 @@ impl Page {
         self.raw(&figure(&image(png, caption), caption))
     }
 
-    /// Figures with PNG files and their captions, side by side where there is room.
-    pub fn gallery_png<'a>(&mut self, pictures: impl IntoIterator<Item = (&'a [u8], &'a str)>) -> &mut Self {
-        let figures: String =
-            pictures.into_iter().map(|(png, caption)| figure(&image(png, caption), caption) + "\n").collect();
+    /// Figures side by side where there is room; each fills the window when it is clicked, and says what makes it.
+    pub fn gallery<'a>(&mut self, shots: impl IntoIterator<Item = Shot<'a>>) -> &mut Self {
+        let shown = |shot: Shot<'_>| {
+            let image = image(shot.png, shot.caption);
+            let picture = format!("<details class=\"shot\"><summary>{image}</summary></details>");
+            let command = if shot.command.is_empty() {
+                String::new()
+            } else {
+                format!("<details><summary>the command</summary><pre>{}</pre></details>", escape(shot.command))
+            };
+            format!("<figure>{picture}<figcaption>{}{command}</figcaption></figure>\n", escape(shot.caption))
+        };
+        let figures: String = shots.into_iter().map(shown).collect();
         self.raw(&format!("<div class=\"gallery\">\n{figures}</div>"))
     }
 
@@ -164,6 +184,10 @@ figure img { max-width: 100%; height: auto; }
 figcaption { color: var(--quiet); font-size: 0.88rem; max-width: 42rem; margin-top: 0.4rem; }
 .gallery { display: grid; grid-template-columns: repeat(auto-fit, minmax(16rem, 1fr)); gap: 1rem; margin: 1.5rem 0; }
 .gallery figure { margin: 0; }
+.shot summary { list-style: none; cursor: zoom-in; }
+.shot[open] img { position: fixed; inset: 0; width: 100%; height: 100%; object-fit: contain; background: var(--page); z-index: 1; cursor: zoom-out; }
+details { font-size: 0.85rem; }
+details pre { white-space: pre-wrap; }
 ";
 
 #[cfg(test)]
@@ -188,14 +212,15 @@ mod tests {
             rows: vec![vec![evil.into(), "beyond".into()], vec![]],
         };
         page.heading(2, evil).paragraph(evil).verbatim(evil).list([evil]).table(&table);
-        page.figure_png(b"png", evil).figure_svg("<svg/>", evil).gallery_png([(&b"png"[..], evil)]);
+        let shot = Shot { png: b"png", caption: evil, command: evil };
+        page.figure_png(b"png", evil).figure_svg("<svg/>", evil).gallery([shot]);
         let html = page.finish();
         assert!(!html.contains("<script") && html.matches("</title>").count() == 1);
         assert!(!html.contains("beyond") && html.contains("<td class=\"number\"></td>"));
         // The tags, as opened, are all ours.
         let escaped = "&lt;/title&gt;&lt;script&gt;&quot;&#39;";
         assert!(html.contains(&format!("<img alt=\"{escaped}\" src=")));
-        assert_eq!(html.matches(escaped).count(), 14);
+        assert_eq!(html.matches(escaped).count(), 15);
     }
 
     #[test]

@@ -71,7 +71,8 @@ impl Study {
         if results.is_err() && new_folder {
             files::remove_empty_folder(&self.output);
         }
-        let results = results?;
+        let mut results = results?;
+        self.name_meshes(&subjects, &mut results)?;
         if results.observations.is_empty() {
             let told = results.notes.first().map_or(String::new(), |note| format!(": {note}"));
             return Err(CommandError::Other(format!(
@@ -150,6 +151,27 @@ impl Study {
         Ok(subjects)
     }
 
+    /// Puts the files of meshes into the commands of pictures; generated meshes get one beside the report.
+    fn name_meshes(&self, subjects: &[Subject], results: &mut Results) -> Result<(), CommandError> {
+        for subject in subjects {
+            let of_file = self.models.iter().find(|path| name_of(path) == subject.name);
+            let mesh = match of_file {
+                Some(path) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
+                None => {
+                    let name = format!("{}.ply", subject.name);
+                    files::write_mesh(&self.output.join(&name), &subject.mesh)?;
+                    name.into()
+                }
+            };
+            let split = if self.split_non_manifold { " --non-manifold split" } else { "" };
+            let mesh = format!("{}{split}", quoted(&mesh.display().to_string()));
+            for picture in results.pictures.iter_mut().filter(|picture| picture.model == subject.name) {
+                picture.command = picture.command.replacen("MESH", &mesh, 1);
+            }
+        }
+        Ok(())
+    }
+
     fn write(&self, results: &Results) -> Result<(), CommandError> {
         let at = |name: &str| self.output.join(name);
         let json = serde_json::to_vec_pretty(results).map_err(|error| CommandError::Other(error.to_string()))?;
@@ -157,10 +179,19 @@ impl Study {
         files::write_bytes(&at("results.json"), &json)?;
         for picture in &results.pictures {
             files::write_bytes(&at(&picture.name), &picture.png)?;
+            let camera =
+                serde_json::to_vec_pretty(&picture.camera).map_err(|error| CommandError::Other(error.to_string()))?;
+            files::write_bytes(&at(&picture.name).with_extension("json"), &camera)?;
         }
         // The page comes last: where it is, everything it tells of is.
         Ok(files::write_bytes(&at("index.html"), study::page(results).as_bytes())?)
     }
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let is_plain = word.chars().all(|c| c.is_alphanumeric() || "/._-".contains(c));
+    if is_plain { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }
 
 /// Choices by name, each once; `all` stands for all of them.

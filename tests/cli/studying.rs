@@ -177,3 +177,29 @@ fn what_was_built_and_is_damaged_is_built_again() {
         assert_eq!(study(), 2, "and was made good");
     }
 }
+
+/// What the report says of a picture makes that picture.
+#[test]
+fn the_command_of_a_picture_makes_it() {
+    let room = Room::new();
+    room.put("ball.ply", &generate::bumpy_sphere(3, 0.1, 5));
+    for folder in ["report", "other"] {
+        room.good(&format!("study ball.ply -o {folder} {SMALL}"));
+    }
+    let json: serde_json::Value = serde_json::from_slice(&room.read("report/results.json")).unwrap();
+    let pictures = json["pictures"].as_array().unwrap();
+    assert_eq!(pictures.len(), 4);
+    for picture in pictures {
+        let name = picture["name"].as_str().unwrap();
+        let command = picture["command"].as_str().unwrap();
+        assert!(room.text("report/index.html").contains("mtess render ball.mt --"), "the page has it");
+        for line in command.lines() {
+            // The command is for somebody in the folder of the report.
+            let line = line.strip_prefix("mtess ").unwrap();
+            let told = room.command(line).current_dir(room.path("report")).output().unwrap();
+            assert!(told.status.success(), "{line}: {}", String::from_utf8_lossy(&told.stderr));
+        }
+        let again = room.read(&format!("report/{name}"));
+        assert!(again == room.read(&format!("other/{name}")), "{name} by {command}");
+    }
+}

@@ -45,24 +45,34 @@ pub(super) fn draw(
     let seen = mesh_of(model, &view.view.mesh);
     let wire = Look { wireframe: true, ..Look::default() };
     let triangles = seen.cell_count();
-    let mut easel = Easel { subject, results };
+    let mut easel = Easel { subject, operator: config.operators[0].name(), size, results };
     let caption = format!(
         "{}: {triangles} of {} triangles for {} px on the screen, as the camera sees it",
         subject.name,
         subject.mesh.cell_count(),
         config.error_px
     );
-    easel.paint("camera", caption, render::encode(&seen, &wire), sized(camera))?;
+    let view =
+        Viewed { from: sized(camera), kept: camera, options: format!("--camera FILE --pixels {}", config.error_px) };
+    easel.paint("camera", caption, render::encode(&seen, &wire), view)?;
     let mut scene = render::encode(&seen, &wire);
     scene.add_frustum(&camera, low, high);
     let caption = format!(
         "{}: the same mesh from outside, with the camera's frustum; what it does not see is coarse",
         subject.name
     );
-    easel.paint("outside", caption, scene, sized(render::outside(&camera, low, high)))?;
+    let options = format!("--camera FILE --pixels {} --from-outside", config.error_px);
+    let view = Viewed { from: sized(render::outside(&camera, low, high)), kept: camera, options };
+    easel.paint("outside", caption, scene, view)?;
     let tenth = tenth_of(model, &subject.mesh);
     let mesh = mesh_of(model, &tenth.view.mesh);
     let around = sized(Camera::around(low, high, glam::Vec3::new(0.6, 0.5, 1.0)));
+    let cells = subject.mesh.cell_count() / 10;
+    let of_tenth = |overlay: &str| Viewed {
+        from: around,
+        kept: around,
+        options: format!("--cells {cells} --look-from FILE --overlay {overlay}"),
+    };
     let errors = cell_errors(model, &tenth.view.mesh);
     let overlay = Overlay::Error { values: &errors, range: Overlay::range_of(&errors) };
     let caption = format!("{}: error of each triangle at a tenth of the input, in model units", subject.name);
@@ -70,12 +80,13 @@ pub(super) fn draw(
         "error",
         caption,
         render::encode(&mesh, &Look { wireframe: true, overlay, ..Look::default() }),
-        around,
+        of_tenth("error"),
     )?;
     let levels = cell_levels(model, &tenth.view.mesh);
     let overlay = Overlay::Level { values: &levels, range: Overlay::range_of(&levels) };
     let caption = format!("{}: level of each triangle, the longest chain of modifications to it", subject.name);
-    easel.paint("level", caption, render::encode(&mesh, &Look { wireframe: true, overlay, ..Look::default() }), around)
+    let scene = render::encode(&mesh, &Look { wireframe: true, overlay, ..Look::default() });
+    easel.paint("level", caption, scene, of_tenth("level"))
 }
 
 /// A camera of the path that is near the surface and has some of it in view.
@@ -98,18 +109,39 @@ fn tenth_of(model: &Explicit<3>, input: &Mesh<3>) -> State<3, Explicit<3>, ()> {
     extract(model, &UniformError { error_max: -1.0 }, &limits, Strategy::Priority, ()).0
 }
 
+/// How a picture is seen, and how the command is told of it.
+struct Viewed {
+    from: Camera,
+    /// The camera that is kept in a file.
+    kept: Camera,
+    /// Options of `mtess render` besides the wireframe and the size; the camera's file stands as `FILE`.
+    options: String,
+}
+
 struct Easel<'a> {
     subject: &'a Subject,
+    operator: String,
+    size: (u32, u32),
     results: &'a mut Results,
 }
 
 impl Easel<'_> {
-    fn paint(&mut self, what: &str, caption: String, scene: render::Scene, camera: Camera) -> Result<(), StudyError> {
-        let name = format!("{}-{what}.png", self.subject.name);
+    fn paint(&mut self, what: &str, caption: String, scene: render::Scene, view: Viewed) -> Result<(), StudyError> {
+        let stem = format!("{}-{what}", self.subject.name);
+        let name = format!("{stem}.png");
         let (picture, painter) =
-            render::paint(&scene, &camera, Prefer::Any).map_err(|error| StudyError::Picture(name.clone(), error))?;
-        let png = picture.to_png();
-        self.results.pictures.push(Picture { name, caption, painter: painter.to_string(), png });
+            render::paint(&scene, &view.from, Prefer::Any).map_err(|error| StudyError::Picture(name.clone(), error))?;
+        let (png, painter) = (picture.to_png(), painter.to_string());
+        let model = format!("{}.mt", self.subject.name);
+        let options = view.options.replace("FILE", &format!("{stem}.json"));
+        let (width, height) = self.size;
+        let command = format!(
+            "mtess build MESH --operator {} --regions 0 -o {model}\n\
+             mtess render {model} {options} --overlay wireframe --size {width}x{height} -o {name}",
+            self.operator
+        );
+        let (model, camera) = (self.subject.name.clone(), view.kept);
+        self.results.pictures.push(Picture { model, name, caption, painter, camera, command, png });
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use super::choices::LEFT_OUT;
 use super::results::{Built, Observation, Ordered, Results};
 use super::tables;
-use crate::html::{Align, Page, Table};
+use crate::html::{Align, Page, Shot, Table};
 use crate::plot::{Axis, Lines, Series};
 use std::collections::BTreeMap;
 
@@ -13,8 +13,8 @@ pub fn page(results: &Results) -> String {
     page.paragraph(&format!("Made by mtess {}.", env!("CARGO_PKG_VERSION")));
     introduction(&mut page, results);
     for model in names(results) {
-        let pictures = results.pictures.iter().filter(|p| p.name.starts_with(&format!("{model}-")));
-        page.gallery_png(pictures.map(|p| (p.png.as_slice(), p.caption.as_str())));
+        let pictures = results.pictures.iter().filter(|p| p.model == model);
+        page.gallery(pictures.map(|p| Shot { png: &p.png, caption: &p.caption, command: &p.command }));
     }
     page.heading(2, "Models");
     page.paragraph(

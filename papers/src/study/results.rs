@@ -1,5 +1,6 @@
 //! What a study finds, as plain data: tidy rows for CSV, the same with summaries for JSON.
 
+use mt_core::Camera;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -169,12 +170,18 @@ pub struct Quality {
 /// A picture.
 #[derive(Clone, Debug, Serialize)]
 pub struct Picture {
+    /// The model that it shows.
+    pub model: String,
     /// File name, ending in `.png`.
     pub name: String,
     /// What it shows.
     pub caption: String,
     /// What drew it.
     pub painter: String,
+    /// The camera that looks, for a file `NAME.json` beside the picture.
+    pub camera: Camera,
+    /// What makes the same picture, from that file and the mesh, whose file stands as `MESH`.
+    pub command: String,
     /// The file's bytes.
     #[serde(skip)]
     pub png: Vec<u8>,
