@@ -54,8 +54,8 @@ pub struct Line {
 }
 
 impl Drawing {
-    /// The edges of a scene's triangles and its lines, as far as `camera` sees them. O(triangles + pixels + lengths); 64
-    /// bytes a pixel of the camera while it works.
+    /// The edges of a scene's triangles and its lines, as far as `camera` sees them. O(triangles + pixels + lengths);
+    /// 128 bytes a pixel of the camera while it works.
     ///
     /// Refuses a camera that [`Camera::check`] refuses.
     pub fn new(scene: &Scene, camera: &Camera, caption: &str) -> Result<Self, RenderError> {
@@ -124,8 +124,7 @@ impl Drawing {
         let height = self.page_height();
         let mut content = String::from("1 J\n");
         for (([red, green, blue, _], bits), lines) in self.kinds() {
-            let [red, green, blue] = [red, green, blue]
-                .map(|channel| short(f32::from(channel) / 255.0 * 100.0).parse().unwrap_or(0.0) / 100.0);
+            let [red, green, blue] = [red, green, blue].map(|channel| (f32::from(channel) / 0.255).round() / 1000.0);
             _ = writeln!(content, "{red} {green} {blue} RG {} w", f32::from_bits(bits));
             for line in lines {
                 let [x, y, u, v] = [line.from[0], height - line.from[1], line.to[0], height - line.to[1]].map(short);

@@ -44,7 +44,7 @@ impl Paper {
             Some(name) => chosen(name, self.item.as_deref()).map_err(wrong)?,
         };
         // A ledger of generated models is not to take the place of one of real ones by a slip of the hand.
-        let default = if self.all && !self.small && data().is_some() { "papers" } else { "paper" };
+        let default = if self.all && self.of_files() { "papers" } else { "paper" };
         let folder = self.output.clone().unwrap_or_else(|| default.into());
         let new_folder = files::make_folder(&folder)?;
         files::check_writable(&folder)?;
@@ -63,6 +63,11 @@ impl Paper {
         let entries = made?;
         self.write(&entries, &folder)?;
         Ok(ExitCode::SUCCESS)
+    }
+
+    /// Whether models of files are looked for.
+    fn of_files(&self) -> bool {
+        !self.small && data().is_some()
     }
 
     fn make(&self, items: &[(&'static Reproduced, &'static Item)]) -> Result<Vec<Entry>, CommandError> {
@@ -92,8 +97,8 @@ impl Paper {
         }
         // The text comes last: where it is, everything it tells of is.
         let (name, text) = if self.all {
-            let text =
-                ledger::ledger(entries, &told(entries)).map_err(|error| CommandError::Other(error.to_string()))?;
+            let text = ledger::ledger(entries, &told(self.of_files()))
+                .map_err(|error| CommandError::Other(error.to_string()))?;
             ("LEDGER.md".to_owned(), text)
         } else {
             (file_of(entries), entries.iter().map(ledger::markdown).collect())
@@ -105,10 +110,8 @@ impl Paper {
 }
 
 /// One sentence on models and threads, for whoever reads times.
-fn told(entries: &[Entry]) -> String {
+fn told(of_files: bool) -> String {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    // What is generated in every run has no name of a file before it.
-    let of_files = entries.iter().flat_map(|entry| &entry.models).any(|model| model.contains('/'));
     let models = if of_files {
         "on models of files, and generated ones where a line says so"
     } else {

@@ -76,7 +76,6 @@ fn mean_area(mesh: &Mesh<3>, holds: impl Fn(Vec3, Vec3) -> bool) -> f64 {
 
 /// What came of a factor.
 struct Seen {
-    name: &'static str,
     triangles: u32,
     mesh: Mesh<3>,
 }
@@ -95,23 +94,21 @@ pub(super) fn factors(workshop: &mut Workshop<'_>, _: &Published, entry: &mut En
         "Measured: one camera near the head, one hierarchy under dual pieces; last the same under implicit ids.",
         "factor | asked for | #triangles | #of the input | #steps | #folds",
     );
-    let (mut least, mut seen) = (0, Vec::new());
+    let mut least = 0;
     let all = factors_for(&camera, subject.mesh.diagonal() as f32)?;
-    for Factor { name, asked, wish } in &all {
+    let seen = all.each_ref().map(|Factor { name, asked, wish }| {
         let (state, outcome) = extract(&model, wish, &Limits::NONE, Strategy::TopDown, ());
         least += u32::from(*state.front() == wish_closure(&model, wish));
         let triangles = state.cell_count(&model);
         table.row(row(name, asked, &model, &state.view.mesh, outcome.refined, subject.mesh.cell_count()));
-        seen.push(Seen { name, triangles, mesh: mesh_of(&model, &state.view.mesh) });
-    }
+        Seen { triangles, mesh: mesh_of(&model, &state.view.mesh) }
+    });
     let implicit = Hierarchy { dependency: ImplicitIds, replay };
     let (state, outcome) = extract(&implicit, &all[0].wish, &Limits::NONE, Strategy::TopDown, ());
     let name = "prevent foldovers: implicit dependencies";
     table.row(row(name, all[0].asked, &implicit, &state.view.mesh, outcome.refined, subject.mesh.cell_count()));
-    let counts = [
-        folds_of(&model, &extract(&model, &all[0].wish, &Limits::NONE, Strategy::TopDown, ()).0.view.mesh),
-        folds_of(&implicit, &state.view.mesh),
-    ];
+    let folds_in = |mesh: &Mesh<3>| folds(&mesh.cells, &mesh.positions);
+    let counts = [folds_in(&seen[0].mesh), folds_of(&implicit, &state.view.mesh)];
     entry.measured.push(table);
     entry.claims.push(Claim::check(
         "the metric is a parameter: every factor works on one tree",
@@ -124,7 +121,7 @@ pub(super) fn factors(workshop: &mut Workshop<'_>, _: &Published, entry: &mut En
     ));
     entry.claims.push(Claim::check(
         "implicit dependencies prevent foldovers",
-        counts[1] <= folds(&subject.mesh.cells, &subject.mesh.positions) && counts[1] <= counts[0],
+        counts[1] <= folds_in(&subject.mesh) && counts[1] <= counts[0],
         format!(
             "{} folds under implicit ids, {} under dual pieces, for the same error everywhere",
             counts[1], counts[0]
@@ -154,21 +151,9 @@ fn row<M: MultiTessellation<3>>(
     [name.to_owned(), asked.to_owned(), triangles.to_string(), part, steps.to_string(), folds]
 }
 
-/// Whether each factor does what it is for.
-fn decide(entry: &mut Entry, seen: &[Seen], camera: &Camera) {
-    let of = |name: &str| seen.iter().find(|seen| seen.name == name);
-    let [Some(none), Some(screen), Some(light_), Some(frustum), Some(backs), Some(outline), Some(transfer)] = [
-        "none",
-        "screen-space projection",
-        "local illumination",
-        "visibility: frustum",
-        "visibility: back faces",
-        "silhouette boundaries",
-        "level of detail transfer function",
-    ]
-    .map(of) else {
-        return;
-    };
+/// Whether each factor does what it is for; in the order of [`factors_for`].
+fn decide(entry: &mut Entry, seen: &[Seen; 7], camera: &Camera) {
+    let [none, screen, light_, frustum, backs, outline, transfer] = seen;
     let planes = camera.frustum();
     let inside = |p: Vec3| planes.iter().all(|plane| plane.dot(p.extend(1.0)) >= 0.0);
     let mut areas = |says: &str, what: [&str; 2], areas: [f64; 2]| {

@@ -65,6 +65,11 @@ pub(super) fn implicit_ids(workshop: &mut Workshop<'_>, _: &Published, entry: &m
         parents.to_string(),
     ]);
     table.row([
+        "splits that undo them and that the slide's rule allows".to_owned(),
+        merges.to_string(),
+        splits.to_string(),
+    ]);
+    table.row([
         "random wishes whose front is that of the cells' order".to_owned(),
         wishes.to_string(),
         cells.to_string(),

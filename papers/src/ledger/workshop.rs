@@ -1,10 +1,10 @@
 //! Where the models of the ledger come from, and the sequences that are made of them, each once.
 
 use super::{Coding, LedgerError, Raster};
-use mt_core::analysis::{Options, Stopped};
+use mt_core::analysis::{Listener, Options, Stopped};
 use mt_core::format::{self, Format, LoadOptions, NonManifold};
 use mt_core::hierarchy::HierarchyError;
-use mt_core::{Explicit, Mesh, Recorder, Replay, Sequence};
+use mt_core::{Explicit, Mesh, MultiTessellation, Recorder, Replay, Sequence};
 use operators::AnyOperator;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -77,6 +77,15 @@ impl Subject {
             self.mesh.vertex_count(),
             self.mesh.cell_count()
         )
+    }
+
+    /// Without a modification there is nothing to measure.
+    fn check_coarsened(&self, empty: bool) -> Result<(), LedgerError> {
+        if empty {
+            Err(LedgerError::Model(self.from.clone(), "there is nothing to coarsen in it".to_owned()))
+        } else {
+            Ok(())
+        }
     }
 }
 
@@ -198,9 +207,7 @@ impl<'a> Workshop<'a> {
         let begun = Instant::now();
         let replay = Replay::new(&subject.mesh, &operator.links(&subject.mesh), &sequence)
             .map_err(|error| LedgerError::Hierarchy(subject.name.to_owned(), HierarchyError::from(error)))?;
-        if replay.is_empty() {
-            return Err(LedgerError::Model(subject.from.clone(), "there is nothing to coarsen in it".to_owned()));
-        }
+        subject.check_coarsened(replay.is_empty())?;
         let made = Sequenced { replay: Arc::new(replay), seconds, seconds_replay: begun.elapsed().as_secs_f64() };
         self.sequences.insert(key, made.clone());
         Ok(made)
@@ -216,9 +223,7 @@ impl<'a> Workshop<'a> {
         let mut recorder = Recorder::new(&subject.mesh).map_err(|error| failed(error.into()))?;
         self.analyse(subject, operator, &mut recorder)?;
         let model = Arc::new(recorder.finish(Default::default()).map_err(|error| failed(error.into()))?);
-        if mt_core::MultiTessellation::is_empty(&*model) {
-            return Err(LedgerError::Model(subject.from.clone(), "there is nothing to coarsen in it".to_owned()));
-        }
+        subject.check_coarsened(model.is_empty())?;
         self.explicit.insert(key, Arc::clone(&model));
         Ok(model)
     }
@@ -228,7 +233,7 @@ impl<'a> Workshop<'a> {
         &mut self,
         subject: &Subject,
         operator: &AnyOperator,
-        listener: &mut impl mt_core::analysis::Listener<3>,
+        listener: &mut impl Listener<3>,
     ) -> Result<f64, LedgerError> {
         let what = format!("{}: {}", subject.name, operator.name());
         self.go_on(&what)?;

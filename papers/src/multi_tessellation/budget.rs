@@ -62,7 +62,7 @@ struct Trial {
     budget: u32,
 }
 
-/// Below the least error that anybody asks for here, in pixels.
+/// The error that is asked for, in pixels; so small that the number of triangles ends the refinement, not the error.
 const ERROR_PX: f32 = 0.25;
 
 impl Trial {

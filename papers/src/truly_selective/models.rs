@@ -7,7 +7,7 @@ use crate::ledger::{
 use glam::Vec3;
 use mt_core::generate::terrain;
 use mt_core::mesh::area_vector;
-use mt_core::{Bound, Camera, Mesh, Replay, VertexId};
+use mt_core::{Bound, Camera, Mesh, NodeId, Replay, VertexId};
 use operators::metric::{AnyMetric, QuadricAttributes};
 use operators::{AnyOperator, EdgeCollapse};
 use selective::{Criterion, Facing, Frustum, InView, UniformError};
@@ -195,28 +195,7 @@ impl Column {
             Asked::InView(camera) | Asked::Facing(camera) => Some(camera),
         }
     }
-}
 
-impl Asked {
-    /// The nodes that are asked for.
-    fn nodes(&self, replay: &Replay) -> Vec<mt_core::NodeId> {
-        let everything = UniformError { error_max: -1.0 };
-        match self {
-            Asked::Features(image) => above(replay, &image.features),
-            Asked::InView(camera) => {
-                let criterion = InView { frustum: Frustum::new(camera), criterion: everything };
-                asking(replay, |bound| criterion.asks(bound, false))
-            }
-            Asked::Facing(camera) => {
-                let in_view = InView { frustum: Frustum::new(camera), criterion: everything };
-                let criterion = Facing { eye: camera.eye, criterion: in_view };
-                asking(replay, |bound| criterion.asks(bound, false))
-            }
-        }
-    }
-}
-
-impl Column {
     /// The vertices of the input that are asked for, one by one: feature points, and those within the frustum, where a
     /// column asks for that with a normal towards the eye.
     pub(super) fn vertices(&self) -> Vec<VertexId> {
@@ -237,6 +216,25 @@ impl Column {
     }
 }
 
+impl Asked {
+    /// The nodes that are asked for.
+    fn nodes(&self, replay: &Replay) -> Vec<NodeId> {
+        let everything = UniformError { error_max: -1.0 };
+        match self {
+            Asked::Features(image) => above(replay, &image.features),
+            Asked::InView(camera) => {
+                let criterion = InView { frustum: Frustum::new(camera), criterion: everything };
+                asking(replay, |bound| criterion.asks(bound, false))
+            }
+            Asked::Facing(camera) => {
+                let in_view = InView { frustum: Frustum::new(camera), criterion: everything };
+                let criterion = Facing { eye: camera.eye, criterion: in_view };
+                asking(replay, |bound| criterion.asks(bound, false))
+            }
+        }
+    }
+}
+
 /// Of each vertex, whether a triangle around it faces the eye, and whether one faces away.
 pub(super) fn facing(mesh: &Mesh<3>, eye: Vec3) -> Vec<[bool; 2]> {
     let mut sides = vec![[false; 2]; mesh.positions.len()];
@@ -249,12 +247,12 @@ pub(super) fn facing(mesh: &Mesh<3>, eye: Vec3) -> Vec<[bool; 2]> {
 }
 
 /// The nodes whose bound is asked for.
-pub(super) fn asking(replay: &Replay, asks: impl Fn(&Bound) -> bool) -> Vec<mt_core::NodeId> {
-    (0..replay.len()).map(mt_core::NodeId).filter(|&m| asks(&replay.bound(m))).collect()
+pub(super) fn asking(replay: &Replay, asks: impl Fn(&Bound) -> bool) -> Vec<NodeId> {
+    (0..replay.len()).map(NodeId).filter(|&m| asks(&replay.bound(m))).collect()
 }
 
 /// The nodes that have to be refined before these input vertices are there.
-pub(super) fn above(replay: &Replay, leaves: &[VertexId]) -> Vec<mt_core::NodeId> {
+pub(super) fn above(replay: &Replay, leaves: &[VertexId]) -> Vec<NodeId> {
     let mut found = Vec::new();
     for &leaf in leaves {
         let first = replay.merged_at(leaf);

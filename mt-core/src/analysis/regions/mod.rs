@@ -75,8 +75,8 @@ pub struct Regions {
 }
 
 impl Default for Regions {
-    /// A region of 4096 vertices nearly stays in a cache of half a megabyte; with smaller ones more is frozen, which costs
-    /// quality and wins little: on the armadillo regions of 1024 were built in 0.31 s instead of 0.36. As many threads as there are cores.
+    /// A region of 4096 vertices nearly stays in a cache of half a megabyte; with smaller ones more is frozen, which
+    /// costs quality and wins little. As many threads as there are cores.
     fn default() -> Self {
         Self { vertices: 4096, threads: 0 }
     }
