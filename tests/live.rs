@@ -54,8 +54,8 @@ fn follow<M: MultiTessellation<3, Bound = Bound>>(
         let camera = Camera { width_px: 96, height_px: 72, ..camera };
         state.steps.clear();
         adapt(model, &ScreenError::new(&camera, 0.1), &Limits::NONE, &mut state);
-        let uploaded = stage.update(&mut state.sink).unwrap();
-        assert_eq!(state.sink.triangle_count() as u32, state.cell_count(model));
+        let uploaded = stage.update(&mut state.sink.places).unwrap();
+        assert_eq!(state.sink.places.triangle_count() as u32, state.cell_count(model));
         if i > 0 {
             (sent, steps) = (sent + uploaded.bytes, steps + state.steps.len() as u64);
             whole += u64::from(state.cell_count(model)) * TRIANGLE;
@@ -109,8 +109,8 @@ fn frames_of_a_hierarchy_are_those_of_its_meshes_and_little_is_sent() {
 #[test]
 fn a_camera_that_sees_nothing_and_one_that_cannot_be() {
     let Some(mut stage) = stage() else { return };
-    let mut mesh = LiveMesh::new(&[], 0, glam::Vec3::ZERO, [9; 4]);
-    assert_eq!(stage.update(&mut mesh).unwrap().bytes, 0);
+    let mut mesh = LiveMesh::new([], 0, glam::Vec3::ZERO, [9; 4]);
+    assert_eq!(stage.update(&mut mesh.places).unwrap().bytes, 0);
     let (low, high) = surface().bounding_box().unwrap();
     let camera = Camera { width_px: 8, height_px: 6, ..Camera::around(low, high, glam::Vec3::Z) };
     let empty = stage.paint(&Scene::default(), &camera).unwrap();

@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let begun = Instant::now();
         adapt(&model, &ScreenError::new(camera, error_px), &Limits::NONE, &mut state);
         let adapted = begun.elapsed();
-        let sent = stage.update(&mut state.sink)?;
+        let sent = stage.update(&mut state.sink.places)?;
         let updated = begun.elapsed();
         stage.paint(&scene, camera)?;
         let painted = begun.elapsed();
@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let all = [adapted, updated - adapted, painted - updated];
             times.iter_mut().zip(all).for_each(|(times, time)| times.push(time.as_secs_f64() * 1e3));
             (bytes, steps, triangles) =
-                (bytes + sent.bytes, steps + state.steps.len(), triangles + state.sink.triangle_count());
+                (bytes + sent.bytes, steps + state.steps.len(), triangles + state.sink.places.triangle_count());
         }
     }
     for (what, times) in ["adapt", "send", "paint and read back"].into_iter().zip(&mut times) {

@@ -20,7 +20,7 @@ pub(crate) struct Polygon {
 /// Half-widths of the picture that are kept on each side; wide, so that few triangles are cut.
 const GUARD: f32 = 32.0;
 
-/// Distances to near, far, left, right, lower and upper plane; negative outside.
+/// Distances to far, near, left, right, lower and upper plane; negative outside.
 fn distances(v: Vec4) -> [f32; 6] {
     let guard = GUARD * v.w;
     [v.z, v.w - v.z, guard + v.x, guard - v.x, guard + v.y, guard - v.y]

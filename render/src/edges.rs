@@ -3,15 +3,20 @@
 
 use crate::ramp::Rgba;
 use crate::scene::{Scene, Segment};
-use glam::{DVec3, Vec3};
+use crate::tint::normal_colour;
+use glam::Vec3;
 use mt_core::mesh::area_vector;
-use mt_core::{Mesh, VertexId};
+use mt_core::{Cell, Mesh, VertexId};
+use std::collections::HashSet;
 
 /// What edges are drawn, and in which colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Edges {
+pub enum Edges<'a> {
     /// Those of one triangle in blue, those of more than two in red.
     Boundary,
+    /// The same, and in red those of one triangle that are not where the boundary must be: cracks, if there ever is one.
+    /// Pairs of vertices in ascending order.
+    Cracks(&'a HashSet<[VertexId; 2]>),
     /// Those between a triangle that faces an eye and one that does not, and boundaries; black.
     Outline(Vec3),
 }
@@ -21,11 +26,11 @@ const SEWN: Rgba = [220, 30, 40, 255];
 const OUTLINE: Rgba = [10, 10, 12, 255];
 
 impl Scene {
-    /// Adds edges of `mesh`, which is the mesh of this scene, as lines. Gives how many. O(cells log cells).
-    pub fn add_edges(&mut self, mesh: &Mesh<3>, which: Edges) -> usize {
+    /// Adds edges of a mesh, which is the one of this scene, as lines. Gives how many. O(cells log cells).
+    pub fn add_edges(&mut self, positions: &[Vec3], cells: &[Cell<3>], which: Edges<'_>) -> usize {
         let before = self.marks.len();
-        let mut sides: Vec<([VertexId; 2], u32)> = Vec::with_capacity(3 * mesh.cells.len());
-        for (i, cell) in mesh.cells.iter().enumerate() {
+        let mut sides: Vec<([VertexId; 2], u32)> = Vec::with_capacity(3 * cells.len());
+        for (i, cell) in cells.iter().enumerate() {
             sides.extend((0..3).map(|k| {
                 let (a, b) = (cell[k], cell[(k + 1) % 3]);
                 ([a.min(b), a.max(b)], i as u32)
@@ -33,8 +38,8 @@ impl Scene {
         }
         sides.sort_unstable();
         for run in sides.chunk_by(|a, b| a.0 == b.0) {
-            let Some((colour, width_px)) = style(mesh, run, which) else { continue };
-            let [from, to] = run[0].0.map(|v| (mesh.positions[v.index()] - self.origin).to_array());
+            let Some((colour, width_px)) = style(positions, cells, run, which) else { continue };
+            let [from, to] = run[0].0.map(|v| (positions[v.index()] - self.origin).to_array());
             self.marks.push(Segment { from, to, colour, width_px });
         }
         self.marks.len() - before
@@ -42,15 +47,16 @@ impl Scene {
 }
 
 /// How an edge of these triangles is drawn, if it is.
-fn style(mesh: &Mesh<3>, run: &[([VertexId; 2], u32)], which: Edges) -> Option<(Rgba, f32)> {
+fn style(positions: &[Vec3], cells: &[Cell<3>], run: &[([VertexId; 2], u32)], which: Edges<'_>) -> Option<(Rgba, f32)> {
     match (which, run.len()) {
-        (Edges::Boundary, 1) => Some((OPEN, 2.5)),
-        (Edges::Boundary, 2) => None,
-        (Edges::Boundary, _) => Some((SEWN, 3.5)),
+        (Edges::Cracks(boundary), 1) if !boundary.contains(&run[0].0) => Some((SEWN, 5.0)),
+        (Edges::Boundary | Edges::Cracks(_), 1) => Some((OPEN, 2.5)),
+        (Edges::Boundary | Edges::Cracks(_), 2) => None,
+        (Edges::Boundary | Edges::Cracks(_), _) => Some((SEWN, 3.5)),
         (Edges::Outline(_), 1) => Some((OUTLINE, 2.0)),
         (Edges::Outline(eye), _) => {
             let towards = |&(_, cell): &([VertexId; 2], u32)| {
-                let corners = mesh.cells[cell as usize].map(|v| mesh.positions[v.index()].as_dvec3());
+                let corners = cells[cell as usize].map(|v| positions[v.index()].as_dvec3());
                 area_vector(corners).dot(eye.as_dvec3() - corners[0]) > 0.0
             };
             let first = towards(&run[0]);
@@ -61,12 +67,7 @@ fn style(mesh: &Mesh<3>, run: &[([VertexId; 2], u32)], which: Edges) -> Option<(
 
 /// A colour for each cell by its normal: the three coordinates as red, green and blue.
 pub fn normal_colours(mesh: &Mesh<3>) -> Vec<Rgba> {
-    let colour = |cell: &[VertexId; 3]| {
-        let normal: DVec3 = area_vector(cell.map(|v| mesh.positions[v.index()].as_dvec3())).normalize_or_zero();
-        let [red, green, blue] = normal.to_array().map(|x| (127.5 + 110.0 * x) as u8);
-        [red, green, blue, 255]
-    };
-    mesh.cells.iter().map(colour).collect()
+    mesh.cells.iter().map(|cell| normal_colour(cell.map(|v| mesh.positions[v.index()]))).collect()
 }
 
 #[cfg(test)]
@@ -75,8 +76,8 @@ mod tests {
     use crate::{Look, encode};
     use mt_core::generate::{cylinder, fan3, sphere};
 
-    fn count(mesh: &Mesh<3>, which: Edges) -> usize {
-        encode(mesh, &Look::default()).add_edges(mesh, which)
+    fn count(mesh: &Mesh<3>, which: Edges<'_>) -> usize {
+        encode(mesh, &Look::default()).add_edges(&mesh.positions, &mesh.cells, which)
     }
 
     #[test]
@@ -86,8 +87,22 @@ mod tests {
         // Three triangles about one edge: six open sides and one with too many.
         let fan = fan3();
         let mut scene = encode(&fan, &Look::default());
-        assert_eq!(scene.add_edges(&fan, Edges::Boundary), 7);
+        assert_eq!(scene.add_edges(&fan.positions, &fan.cells, Edges::Boundary), 7);
         assert_eq!(scene.marks.iter().filter(|segment| segment.colour == SEWN).count(), 1);
+        // Where one of the open sides is no boundary it is a crack.
+        let cell = fan.cells[0];
+        let is_spine = |v: &&VertexId| fan.cells.iter().all(|cell| cell.contains(v));
+        let outer = *cell.iter().find(|v| !is_spine(v)).unwrap();
+        let sides: HashSet<_> = fan.cells[1..]
+            .iter()
+            .chain([&cell])
+            .flat_map(|cell| [[cell[0], cell[1]], [cell[1], cell[2]], [cell[2], cell[0]]])
+            .map(|[a, b]| [a.min(b), a.max(b)])
+            .filter(|side| !side.contains(&outer))
+            .collect();
+        let mut scene = encode(&fan, &Look::default());
+        scene.add_edges(&fan.positions, &fan.cells, Edges::Cracks(&sides));
+        assert_eq!(scene.marks.iter().filter(|segment| segment.colour == SEWN).count(), 3);
     }
 
     #[test]
@@ -95,7 +110,7 @@ mod tests {
         let mesh = sphere(3);
         let eye = Vec3::new(0.3, 0.2, 9.0);
         let mut scene = encode(&mesh, &Look::default());
-        let count = scene.add_edges(&mesh, Edges::Outline(eye));
+        let count = scene.add_edges(&mesh.positions, &mesh.cells, Edges::Outline(eye));
         assert!(count > 20 && count < 120, "{count}");
         // Each of its vertices is on two edges of it: a closed line.
         let mut ends: Vec<[u32; 3]> =

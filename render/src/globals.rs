@@ -10,7 +10,7 @@ use mt_core::Camera;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Globals {
-    /// Positions relative to the scene's origin, to clip space.
+    /// Positions relative to the scene's origin, to clip space; depth 1 (near) to 0 (far).
     pub(crate) view_projection: [[f32; 4]; 4],
     /// Unit vectors towards the lights, and the strength of each.
     pub(crate) lights: [[f32; 4]; 3],
@@ -32,7 +32,15 @@ pub(crate) const WIRE_FLOOR: f32 = 0.16;
 
 impl Globals {
     pub(crate) fn new(scene: &Scene, camera: &Camera) -> Self {
-        let near_origin = Camera { eye: camera.eye - scene.origin, target: camera.target - scene.origin, ..*camera };
+        // Depth reversed: 1 at the near plane and 0 at the far one, where the exponents of floats make up for what
+        // perspective takes.
+        let near_origin = Camera {
+            eye: camera.eye - scene.origin,
+            target: camera.target - scene.origin,
+            near: camera.far,
+            far: camera.near,
+            ..*camera
+        };
         let forward = camera.direction();
         let right = forward.cross(camera.up).normalize_or_zero();
         let up = right.cross(forward);

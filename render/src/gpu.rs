@@ -18,7 +18,8 @@ const SAMPLES_MAX: u64 = 2 << 30;
 /// Bytes of one vertex buffer; larger meshes are drawn in chunks.
 const CHUNK: u64 = 64 << 20;
 
-/// A device with its two pipelines.
+/// A device with its two pipelines. A copy is another handle on the same device.
+#[derive(Clone)]
 pub(crate) struct Gpu {
     pub(crate) adapter: String,
     device: wgpu::Device,
@@ -44,23 +45,36 @@ impl Canvas {
     pub(crate) fn size(&self) -> [u32; 2] {
         [self.size.width, self.size.height]
     }
+
+    /// What is painted, one sample a pixel.
+    pub(crate) fn texture(&self) -> &wgpu::Texture {
+        &self.resolved
+    }
 }
 
 /// Vertices on the device, and how many.
-type Buffers = Vec<(wgpu::Buffer, u32)>;
+pub(crate) type Buffers = Vec<(wgpu::Buffer, u32)>;
 
 impl Gpu {
     /// The first adapter that offers itself, hardware before software.
     pub(crate) fn open() -> Result<Self, RenderError> {
         let adapter = adapter()?;
+        let (device, queue) = pollster::block_on(adapter.request_device(&Self::wish(&adapter))).map_err(no_gpu)?;
+        Self::on(&adapter.get_info(), device, queue)
+    }
+
+    /// The device that is asked for: buffers and pictures as large as the adapter takes.
+    pub(crate) fn wish(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
         let offered = adapter.limits();
         let limits = wgpu::Limits {
             max_buffer_size: offered.max_buffer_size,
             ..wgpu::Limits::downlevel_defaults().using_resolution(offered)
         };
-        let wish = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
-        let (device, queue) = pollster::block_on(adapter.request_device(&wish)).map_err(no_gpu)?;
-        let info = adapter.get_info();
+        wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() }
+    }
+
+    /// The pipelines on a device that is there.
+    pub(crate) fn on(info: &wgpu::AdapterInfo, device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, RenderError> {
         let (mesh, ink, layout) = guarded(&device, || Ok(pipelines(&device)))?;
         Ok(Self { adapter: format!("{} ({})", info.name, info.backend), device, queue, mesh, ink, layout })
     }
@@ -68,23 +82,28 @@ impl Gpu {
     /// Paints and waits for the picture.
     pub(crate) fn paint(&self, scene: &Scene, camera: &Camera) -> Result<Picture, RenderError> {
         let canvas = self.new_canvas(camera)?;
-        let triangles = guarded(&self.device, || Ok(self.upload::<Corner>(&scene.corners)))?;
-        self.paint_buffers(scene, camera, &canvas, triangles)
+        let triangles = self.upload_guarded(&scene.corners)?;
+        self.draw_buffers(scene, camera, &canvas, triangles)?;
+        self.read(&canvas)
     }
 
-    /// The same of triangles that are on the device already.
-    pub(crate) fn paint_buffers(
+    /// Triangles on the device.
+    pub(crate) fn upload_guarded(&self, corners: &[Corner]) -> Result<Buffers, RenderError> {
+        guarded(&self.device, || Ok(self.upload(corners)))
+    }
+
+    /// Paints triangles that are on the device already, and leaves the picture there.
+    pub(crate) fn draw_buffers(
         &self,
         scene: &Scene,
         camera: &Camera,
         canvas: &Canvas,
         triangles: Buffers,
-    ) -> Result<Picture, RenderError> {
+    ) -> Result<(), RenderError> {
         guarded(&self.device, || {
             self.draw(scene, camera, canvas, triangles);
             Ok(())
-        })?;
-        self.read(canvas)
+        })
     }
 
     /// A canvas of a camera's size, where the device has room for it.
@@ -148,7 +167,7 @@ impl Gpu {
         Canvas {
             samples: texture(COLOUR, SAMPLES as u32, target).create_view(&Default::default()),
             depth: texture(DEPTH, SAMPLES as u32, target).create_view(&Default::default()),
-            resolved: texture(COLOUR, 1, target | wgpu::TextureUsages::COPY_SRC),
+            resolved: texture(COLOUR, 1, target | wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING),
             size,
             row,
             bytes,
@@ -175,16 +194,16 @@ impl Gpu {
         ];
         let mut encoder = self.device.create_command_encoder(&Default::default());
         self.pass(&mut encoder, canvas, &group, &layers);
+        self.queue.submit([encoder.finish()]);
+    }
+
+    /// From the picture into the buffer that can be read.
+    fn copy(&self, canvas: &Canvas) {
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(canvas.row), rows_per_image: None };
+        let mut encoder = self.device.create_command_encoder(&Default::default());
         encoder.copy_texture_to_buffer(
             canvas.resolved.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &canvas.bytes,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(canvas.row),
-                    rows_per_image: None,
-                },
-            },
+            wgpu::TexelCopyBufferInfo { buffer: &canvas.bytes, layout },
             canvas.size,
         );
         self.queue.submit([encoder.finish()]);
@@ -219,7 +238,7 @@ impl Gpu {
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &canvas.depth,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
                 stencil_ops: None,
             }),
             ..Default::default()
@@ -235,7 +254,11 @@ impl Gpu {
     }
 
     /// Waits for the picture and drops the padding of its rows.
-    fn read(&self, canvas: &Canvas) -> Result<Picture, RenderError> {
+    pub(crate) fn read(&self, canvas: &Canvas) -> Result<Picture, RenderError> {
+        guarded(&self.device, || {
+            self.copy(canvas);
+            Ok(())
+        })?;
         let (tell, told) = std::sync::mpsc::channel();
         // The receiver is gone only if we gave up waiting, and then nobody asks.
         canvas.bytes.map_async(wgpu::MapMode::Read, .., move |result| drop(tell.send(result)));
@@ -308,7 +331,7 @@ fn pipelines(device: &wgpu::Device) -> (wgpu::RenderPipeline, wgpu::RenderPipeli
         attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Unorm8x4],
         blend: None,
         writes_depth: true,
-        compare: wgpu::CompareFunction::Less,
+        compare: wgpu::CompareFunction::Greater,
     };
     let ink = Kind {
         entries: ["ink_vertex", "ink_fragment"],
@@ -316,7 +339,7 @@ fn pipelines(device: &wgpu::Device) -> (wgpu::RenderPipeline, wgpu::RenderPipeli
         attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Unorm8x4],
         blend: Some(wgpu::BlendState::ALPHA_BLENDING),
         writes_depth: false,
-        compare: wgpu::CompareFunction::LessEqual,
+        compare: wgpu::CompareFunction::GreaterEqual,
     };
     (mesh.pipeline(device, &module, &layout), ink.pipeline(device, &module, &layout), globals)
 }

@@ -13,7 +13,7 @@ use mt_core::Camera;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct InkCorner {
-    /// Normalised device coordinates: x right and y up, -1 to 1; depth 0 to 1.
+    /// Normalised device coordinates: x right and y up, -1 to 1; depth 1 (near) to 0 (far).
     pub(crate) position: [f32; 3],
     /// Blended over what is there by its opacity.
     pub(crate) colour: Rgba,
@@ -36,7 +36,7 @@ impl Ink {
         let size = Vec2::new(camera.width_px as f32, camera.height_px as f32);
         let mut under = Pen { size, corners: Vec::new() };
         let [top, bottom] = scene.background;
-        under.quad(Vec2::ZERO, size, 1.0, top, bottom);
+        under.quad(Vec2::ZERO, size, 0.0, top, bottom);
         let mut over = Pen { size, corners: Vec::new() };
         let mut stroke = |segments: &[Segment], how| {
             segments.iter().for_each(|segment| over.stroke(segment, globals, scale(camera), how));
@@ -68,10 +68,10 @@ const LIFT: f32 = 0.003;
 impl How {
     fn depth(self, depth: f32) -> f32 {
         match self {
-            How::Trace => 0.0,
+            How::Trace => 1.0,
             How::Placed => depth,
-            // What a depth lacks of 1 is nearly proportional to the nearness.
-            How::Lifted => depth - (1.0 - depth) * LIFT,
+            // Depth is nearly proportional to the nearness.
+            How::Lifted => depth * (1.0 + LIFT),
         }
     }
 }
@@ -123,7 +123,7 @@ impl Pen {
             let step = if around_to { i } else { i - 1 } as f32 / CAP_STEPS as f32;
             let turned = Vec2::from_angle((step - 0.5) * std::f32::consts::PI).rotate(along) * radius;
             let (center, depth) = if around_to { (to, to_depth) } else { (from, from_depth) };
-            (center + turned, how.depth(depth).max(0.0))
+            (center + turned, how.depth(depth).min(1.0))
         };
         for i in 1..2 * CAP_STEPS + 1 {
             for (at, depth) in [rim(0), rim(i), rim(i + 1)] {
@@ -141,19 +141,19 @@ impl Pen {
         let high = Vec2::new(self.size.x - 24.0 * unit, 48.0 * unit + (self.size.y * 0.36).floor());
         let low = Vec2::new(high.x - 16.0 * unit, 48.0 * unit);
         let frame = Vec2::splat(unit);
-        self.quad(low - frame, high + frame, 0.0, TEXT, TEXT);
+        self.quad(low - frame, high + frame, 1.0, TEXT, TEXT);
         let step = (high.y - low.y) / (KNOTS - 1) as f32;
         for knot in 0..KNOTS - 1 {
             let (upper, lower) = (KNOTS - 1 - knot, KNOTS - 2 - knot);
             let top = Vec2::new(low.x, low.y + step * knot as f32);
             let bottom = Vec2::new(high.x, top.y + step);
-            self.quad(top, bottom, 0.0, legend.ramp.knot(upper), legend.ramp.knot(lower));
+            self.quad(top, bottom, 1.0, legend.ramp.knot(upper), legend.ramp.knot(lower));
         }
         let caption = Vec2::new(high.x + frame.x, low.y - 12.0 * unit);
         self.text(legend.caption, caption, unit * 2.0);
         for (share, label) in ticks(legend.range) {
             let y = (high.y - share * (high.y - low.y)).round();
-            self.quad(Vec2::new(low.x - 6.0 * unit, y), Vec2::new(low.x, y + unit), 0.0, TEXT, TEXT);
+            self.quad(Vec2::new(low.x - 6.0 * unit, y), Vec2::new(low.x, y + unit), 1.0, TEXT, TEXT);
             self.text(&label, Vec2::new(low.x - 10.0 * unit, y), unit * 2.0);
         }
     }
@@ -166,7 +166,7 @@ impl Pen {
             for (row, bits) in font::glyph(letter).into_iter().enumerate() {
                 for column in (0..5).filter(|column| bits >> (4 - column) & 1 == 1) {
                     let low = start + Vec2::new((place * 6 + column) as f32, row as f32) * dot;
-                    self.quad(low, low + dot, 0.0, TEXT, TEXT);
+                    self.quad(low, low + dot, 1.0, TEXT, TEXT);
                 }
             }
         }

@@ -21,6 +21,7 @@
 //! | `animation` | pictures one after the other as one file |
 //! | `finish` | finer pictures, and pictures on no ground |
 //! | `drawing` | vector drawings with hidden lines removed, as SVG and PDF |
+//! | `inspect`, `tint` | what triangles have to do with nodes, and what their colours tell of it |
 //! | `live`, `stage` | a mesh that changes, and its triangles on the device, which hear of changes alone |
 //! | `easel`, `picture` | which painter it is, and what may go wrong; the pixels, and PNG |
 //!
@@ -51,6 +52,7 @@ mod globals;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod ink;
+mod inspect;
 mod live;
 mod picture;
 mod pieces;
@@ -59,6 +61,7 @@ mod raster;
 mod scene;
 #[cfg(feature = "gpu")]
 mod stage;
+mod tint;
 
 pub use animation::Animation;
 pub use drawing::{Drawing, Line};
@@ -66,10 +69,15 @@ pub use easel::{Easel, Painter, Prefer, RenderError, paint};
 pub use edges::{Edges, normal_colours};
 pub use finish::Finish;
 pub use frustum::outside;
-pub use live::LiveMesh;
+pub use inspect::{ExplicitIndex, Fan, Inspect};
+pub use live::{LiveMesh, Placed, Places};
 pub use picture::Picture;
 pub use pieces::dual_pieces;
 pub use ramp::{Ramp, Rgba};
 pub use scene::{Corner, Legend, Look, Overlay, Scene, Segment, encode};
 #[cfg(feature = "gpu")]
 pub use stage::{Stage, Uploaded};
+pub use tint::{Seen, Tint, Tinting, by_fans, levels};
+/// The crate whose devices a [`Stage`] works on.
+#[cfg(feature = "gpu")]
+pub use wgpu;

@@ -70,7 +70,7 @@ struct Edge {
 impl Sheet {
     pub(crate) fn new(width: usize, rows: Range<usize>) -> Self {
         let count = width * rows.len();
-        Self { width, rows, depth: vec![[1.0; SAMPLES]; count], colour: vec![[[0; 4]; SAMPLES]; count] }
+        Self { width, rows, depth: vec![[0.0; SAMPLES]; count], colour: vec![[[0; 4]; SAMPLES]; count] }
     }
 
     /// Whether a place on the screen, with its depth, is not hidden: not farther, but for `slack`, than the farthest sample
@@ -87,8 +87,8 @@ impl Sheet {
         let farthest = rows
             .flat_map(|row| around(x, self.width).map(move |column| row * self.width + column))
             .flat_map(|at| self.depth[at])
-            .fold(0.0, f32::max);
-        place.z <= farthest + slack
+            .fold(1.0, f32::min);
+        place.z >= farthest - slack
     }
 
     /// The samples' averages, as rows of pixels.
@@ -132,11 +132,11 @@ impl Sheet {
             let depth = (middle + facet.depth.along * along + facet.depth.down * down) as f32;
             let kept = &mut self.depth[at][sample];
             match blend {
-                Blend::Replace if depth < *kept => {
+                Blend::Replace if depth > *kept => {
                     *kept = depth;
                     passed |= 1 << sample;
                 }
-                Blend::Mix if depth <= *kept => passed |= 1 << sample,
+                Blend::Mix if depth >= *kept => passed |= 1 << sample,
                 _ => {}
             }
         }

@@ -1,9 +1,9 @@
-//! A view on the device: the triangles of a [`LiveMesh`] in one vertex buffer that is kept from frame to frame and told of
-//! changes alone, and pictures of it.
+//! A view on the device: the triangles of a [`crate::LiveMesh`] in one vertex buffer that is kept from frame to frame and told
+//! of changes alone, and pictures of it, read back or left on the device for a window to show.
 
 use crate::easel::RenderError;
-use crate::gpu::{Canvas, Gpu};
-use crate::live::LiveMesh;
+use crate::gpu::{Buffers, Canvas, Gpu};
+use crate::live::Places;
 use crate::picture::Picture;
 use crate::scene::{Corner, Scene};
 use mt_core::Camera;
@@ -22,20 +22,42 @@ pub struct Uploaded {
     pub grown: bool,
 }
 
-/// A device with the triangles of one view.
+/// A device with the triangles of one view, which may be looked at by several cameras.
 pub struct Stage {
     gpu: Gpu,
     buffer: Option<wgpu::Buffer>,
     /// Places that the buffer has room for, and those that are drawn.
     room: u64,
     places: u32,
-    canvas: Option<Canvas>,
+    /// What is shown instead of the view, while it is.
+    instead: Option<Buffers>,
+    /// One for each camera that looks.
+    canvases: Vec<Option<Canvas>>,
 }
 
 impl Stage {
     /// Looks for a device: some 100 ms. Errors with [`RenderError::NoGpu`] where there is none.
     pub fn new() -> Result<Self, RenderError> {
-        Ok(Self { gpu: Gpu::open()?, buffer: None, room: 0, places: 0, canvas: None })
+        Ok(Self::with(Gpu::open()?))
+    }
+
+    /// On a device that is there already, as a window has one; it should have been made by [`Stage::wish`].
+    pub fn on(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, RenderError> {
+        Ok(Self::with(Gpu::on(&adapter.get_info(), device, queue)?))
+    }
+
+    /// Another view on the same device.
+    pub fn beside(&self) -> Self {
+        Self::with(self.gpu.clone())
+    }
+
+    /// What device a stage asks an adapter for.
+    pub fn wish(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+        Gpu::wish(adapter)
+    }
+
+    fn with(gpu: Gpu) -> Self {
+        Self { gpu, buffer: None, room: 0, places: 0, instead: None, canvases: Vec::new() }
     }
 
     /// The adapter's name and interface.
@@ -45,15 +67,15 @@ impl Stage {
 
     /// Sends what changed. O(changes), but where the buffer has to grow, by a half: O(mesh).
     ///
-    /// Call it with one mesh always: changes are told once.
-    pub fn update(&mut self, mesh: &mut LiveMesh<'_>) -> Result<Uploaded, RenderError> {
-        let changes = mesh.take_changes();
-        self.places = mesh.place_count();
+    /// Call it with one view always: changes are told once.
+    pub fn update(&mut self, view: &mut Places) -> Result<Uploaded, RenderError> {
+        let changes = view.take_changes();
+        self.places = view.place_count();
         if u64::from(self.places) > self.room {
-            return self.grow(mesh);
+            return self.grow(view);
         }
         let Some(buffer) = &self.buffer else { return Ok(Uploaded::default()) };
-        let corners: &[u8] = bytemuck::cast_slice(mesh.corners());
+        let corners: &[u8] = bytemuck::cast_slice(view.corners());
         let mut bytes = 0;
         self.gpu.guarded(|queue| {
             for range in &changes {
@@ -65,27 +87,60 @@ impl Stage {
         Ok(Uploaded { bytes, pieces: changes.len() as u32, grown: false })
     }
 
-    fn grow(&mut self, mesh: &LiveMesh<'_>) -> Result<Uploaded, RenderError> {
+    fn grow(&mut self, view: &Places) -> Result<Uploaded, RenderError> {
         let room = u64::from(self.places) * 3 / 2 + 1024;
         let buffer = self.gpu.vertex_buffer(room * TRIANGLE)?;
-        let corners: &[u8] = bytemuck::cast_slice(mesh.corners());
+        let corners: &[u8] = bytemuck::cast_slice(view.corners());
         self.gpu.guarded(|queue| queue.write_buffer(&buffer, 0, corners))?;
         (self.buffer, self.room) = (Some(buffer), room);
         Ok(Uploaded { bytes: corners.len() as u64, pieces: 1, grown: true })
     }
 
+    /// Forgets the view, so that the next [`Stage::update`] sends all of another.
+    pub fn clear(&mut self) {
+        (self.buffer, self.room, self.places, self.instead) = (None, 0, 0, None);
+    }
+
+    /// Shows these triangles instead of the view, until [`Stage::show_view`]. They are sent once.
+    pub fn show_instead(&mut self, corners: &[Corner]) -> Result<(), RenderError> {
+        self.instead = Some(self.gpu.upload_guarded(corners)?);
+        Ok(())
+    }
+
+    /// Shows the view again.
+    pub fn show_view(&mut self) {
+        self.instead = None;
+    }
+
     /// Paints what was sent as `camera` sees it, with the lines, colours and ground of `scene`, whose own triangles are left
-    /// out; its origin has to be that of the mesh.
+    /// out; its origin has to be that of the view.
     pub fn paint(&mut self, scene: &Scene, camera: &Camera) -> Result<Picture, RenderError> {
+        self.draw(scene, camera, 0)?;
+        self.canvases[0].as_ref().map_or_else(|| Err(RenderError::Gpu("no canvas".into())), |c| self.gpu.read(c))
+    }
+
+    /// The same, left on the device: a texture of the camera's size, for one of several cameras that look at the view. It is
+    /// the same texture from frame to frame, until that camera's size changes.
+    pub fn show(&mut self, scene: &Scene, camera: &Camera, which: usize) -> Result<&wgpu::Texture, RenderError> {
+        self.draw(scene, camera, which)?;
+        let canvas = self.canvases[which].as_ref();
+        canvas.map_or_else(|| Err(RenderError::Gpu("no canvas".into())), |canvas| Ok(canvas.texture()))
+    }
+
+    fn draw(&mut self, scene: &Scene, camera: &Camera, which: usize) -> Result<(), RenderError> {
         camera.check()?;
+        if self.canvases.len() <= which {
+            self.canvases.resize_with(which + 1, || None);
+        }
         let size = [camera.width_px, camera.height_px];
-        let canvas = match self.canvas.take().filter(|canvas| canvas.size() == size) {
+        let canvas = match self.canvases[which].take().filter(|canvas| canvas.size() == size) {
             Some(canvas) => canvas,
             None => self.gpu.new_canvas(camera)?,
         };
-        let buffers: Vec<_> = self.buffer.iter().map(|buffer| (buffer.clone(), 3 * self.places)).collect();
-        let picture = self.gpu.paint_buffers(scene, camera, &canvas, buffers);
-        self.canvas = Some(canvas);
-        picture
+        let own = || self.buffer.iter().map(|buffer| (buffer.clone(), 3 * self.places)).collect();
+        let buffers = self.instead.clone().unwrap_or_else(own);
+        let drawn = self.gpu.draw_buffers(scene, camera, &canvas, buffers);
+        self.canvases[which] = Some(canvas);
+        drawn
     }
 }

@@ -138,7 +138,7 @@ impl Movie {
     ) -> Result<(Picture, String), RenderError> {
         let mut scene = render::encode(mesh, &Look { wireframe: self.wireframe, ..Look::default() });
         if self.boundary {
-            scene.add_edges(mesh, Edges::Boundary);
+            scene.add_edges(&mesh.positions, &mesh.cells, Edges::Boundary);
         }
         let mut from = *camera;
         if self.from_outside {

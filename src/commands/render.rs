@@ -144,10 +144,10 @@ impl Render {
         let wireframe = self.shows(Overlay::Wireframe);
         let mut scene = render::encode(mesh, &Look { wireframe, overlay, ..Look::default() });
         if self.shows(Overlay::Outline) {
-            scene.add_edges(mesh, Edges::Outline(eye));
+            scene.add_edges(&mesh.positions, &mesh.cells, Edges::Outline(eye));
         }
         if self.shows(Overlay::Boundary) {
-            scene.add_edges(mesh, Edges::Boundary);
+            scene.add_edges(&mesh.positions, &mesh.cells, Edges::Boundary);
         }
         scene
     }

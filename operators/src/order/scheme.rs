@@ -30,8 +30,8 @@ pub enum Scheme {
 pub trait Visit {
     /// What comes of it.
     type Output;
-    /// Does it.
-    fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Self::Output;
+    /// Does it. Whoever keeps the model keeps a copy: the replay is shared, and rows are short.
+    fn visit<D: Dependency + Send + Clone + 'static>(self, model: &Hierarchy<D>) -> Self::Output;
 }
 
 impl Scheme {
