@@ -9,7 +9,6 @@ use crate::raster::SAMPLES;
 use crate::scene::{Corner, Scene};
 use bytemuck::Pod;
 use mt_core::Camera;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -177,11 +176,7 @@ impl Gpu {
     fn draw(&self, scene: &Scene, camera: &Camera, canvas: &Canvas, triangles: Buffers) {
         let globals = Globals::new(scene, camera);
         let ink = Ink::new(scene, camera, &globals);
-        let uniform = self.device.create_buffer_init(&BufferInitDescriptor {
-            label: None,
-            contents: bytemuck::bytes_of(&globals),
-            usage: wgpu::BufferUsages::UNIFORM,
-        });
+        let uniform = self.filled(bytemuck::bytes_of(&globals), wgpu::BufferUsages::UNIFORM);
         let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &self.layout,
@@ -195,6 +190,15 @@ impl Gpu {
         let mut encoder = self.device.create_command_encoder(&Default::default());
         self.pass(&mut encoder, canvas, &group, &layers);
         self.queue.submit([encoder.finish()]);
+    }
+
+    /// A buffer with these bytes. (wgpu's own way to make one panics on a device that was lost.)
+    fn filled(&self, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let (size, usage) = (bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST);
+        let buffer =
+            self.device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
+        self.queue.write_buffer(&buffer, 0, bytes);
+        buffer
     }
 
     /// From the picture into the buffer that can be read.
@@ -212,12 +216,8 @@ impl Gpu {
     /// Vertices as buffers within the device's limits, cut between triangles, with the count in each.
     fn upload<T: Pod>(&self, corners: &[T]) -> Buffers {
         let most = self.device.limits().max_buffer_size.min(CHUNK) as usize / size_of::<T>() / 3 * 3;
-        let buffer = |chunk: &[T]| {
-            let contents = bytemuck::cast_slice(chunk);
-            let usage = wgpu::BufferUsages::VERTEX;
-            let buffer = self.device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage });
-            (buffer, chunk.len() as u32)
-        };
+        let buffer =
+            |chunk: &[T]| (self.filled(bytemuck::cast_slice(chunk), wgpu::BufferUsages::VERTEX), chunk.len() as u32);
         corners.chunks(most.max(3)).map(buffer).collect()
     }
 

@@ -21,7 +21,7 @@ pub enum Tint {
     Level,
     /// Its normal: coordinates as red, green and blue.
     Normals,
-    /// What the last steps did, as in `[LivnySokolovskyElSana2006]`, Fig. 8: black by fans, dark grey by edges, light grey
+    /// What the last steps did, as in `[LivnySokolovskyElSana2006]`, Fig. 8: black by edges, dark grey by fans, light grey
     /// where nothing happened.
     Operations,
     /// Red where a triangle came with a node that nobody asked for, but others needed.
@@ -30,8 +30,8 @@ pub enum Tint {
     Fans,
 }
 
-const BY_FAN: Rgba = [26, 26, 28, 255];
-const BY_EDGE: Rgba = [112, 112, 116, 255];
+const BY_FAN: Rgba = [118, 118, 120, 255];
+const BY_EDGE: Rgba = [24, 24, 26, 255];
 const UNTOUCHED: Rgba = [214, 214, 216, 255];
 const FORCED: Rgba = [214, 76, 66, 255];
 const ASKED: Rgba = [206, 214, 206, 255];
@@ -118,7 +118,8 @@ impl<'a, M: Inspect> Seen<'a, M> {
                 Box::new(move |placed| {
                     let coarse = placed.corners.map(|v| model.refined_by(placed.cell, v, front)).into_iter().flatten();
                     let met = nodes_with(placed).chain(coarse).filter_map(|m| by.get(&m));
-                    met.max().map_or(UNTOUCHED, |&by_fan| if by_fan { BY_FAN } else { BY_EDGE })
+                    // An edge shows where both met.
+                    met.min().map_or(UNTOUCHED, |&by_fan| if by_fan { BY_FAN } else { BY_EDGE })
                 })
             }
             Tint::Forced => Box::new(move |placed| if nodes_with(placed).all(asks) { ASKED } else { FORCED }),

@@ -11,6 +11,8 @@ mod paper;
 mod render;
 mod study;
 mod verify;
+#[cfg(feature = "view")]
+mod view;
 
 use crate::files::FileError;
 use crate::selection::SelectionError;
@@ -45,6 +47,9 @@ enum Command {
     Bisect(bisect::Bisect),
     /// Make a picture of an extracted mesh
     Render(render::Render),
+    /// Open a window on one model or two: fly around, freeze, go back in time, ask what made a triangle
+    #[cfg(feature = "view")]
+    View(view::View),
     /// Make a picture of each frame of a camera path
     Movie(movie::Movie),
     /// Build, extract along a camera path, measure and render; write a report
@@ -83,6 +88,8 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Verify(command) => command.run(),
         Command::Bisect(command) => command.run(),
         Command::Render(command) => command.run(),
+        #[cfg(feature = "view")]
+        Command::View(command) => command.run(),
         Command::Movie(command) => command.run(),
         Command::Study(command) => command.run(),
         Command::Paper(command) => command.run(),

@@ -4,6 +4,7 @@ use super::{CommandError, print_text};
 use crate::files::{self, FileError, Model};
 use crate::progress::Progress;
 use crate::selection;
+use crate::subject::Subject;
 use clap::Args;
 use mt_core::hierarchy::Dependency;
 use mt_core::model::mesh_of;
@@ -16,8 +17,8 @@ use std::process::ExitCode;
 
 #[derive(Args)]
 pub struct Movie {
-    /// The model
-    model: PathBuf,
+    #[command(flatten)]
+    subject: Subject,
     /// The cameras, one frame each: a JSON list of cameras
     #[arg(long, value_name = "FILE.json")]
     cameras: Option<PathBuf>,
@@ -58,15 +59,15 @@ impl Movie {
         if let Some(path) = &self.animation {
             files::check_output(path, "an animation", "png")?;
         }
-        let model = files::load_model(&self.model)?.0;
+        let model = self.subject.load()?;
         files::make_folder(&self.output)?;
         files::check_writable(&self.output)?;
         let told = match model {
             Model::Triangles(model) => self.film(&*model, &model.reference())?,
             Model::Hierarchy { replay, scheme } => {
-                scheme.visit(&replay, Film(&self)).map_err(|error| FileError::new(&self.model, error))??
+                scheme.visit(&replay, Film(&self)).map_err(|error| FileError::new(self.subject.path(), error))??
             }
-            Model::Tetrahedra(_) => return Err(files::no_triangles(&self.model).into()),
+            Model::Tetrahedra(_) => return Err(files::no_triangles(self.subject.path()).into()),
         };
         print_text(&told);
         Ok(ExitCode::SUCCESS)
@@ -75,7 +76,8 @@ impl Movie {
     /// Paints frame after frame, each adapted from the last. Gives a line on what was done.
     fn film<M: MultiTessellation<3, Bound = Bound>>(&self, model: &M, input: &Mesh<3>) -> Result<String, CommandError> {
         let cameras = self.sized(selection::cameras(self.cameras.as_deref(), self.frames, &input.positions)?)?;
-        let wrong = |error: RenderError| FileError::new(&self.model, format!("the frames cannot be drawn: {error}"));
+        let wrong =
+            |error: RenderError| FileError::new(self.subject.path(), format!("the frames cannot be drawn: {error}"));
         let easel = Easel::new(Prefer::Any).map_err(wrong)?;
         let mut animation = match &self.animation {
             Some(path) => {

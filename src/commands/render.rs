@@ -3,22 +3,26 @@
 use super::{CommandError, print_text};
 use crate::files::{self, Model};
 use crate::selection::Selection;
+use crate::subject::Subject;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
-use mt_core::check::active_ancestors;
 use mt_core::hierarchy::Dependency;
-use mt_core::model::mesh_of;
-use mt_core::{Camera, Hierarchy, Mesh, VertexId};
+use mt_core::model::cells_of;
+use mt_core::{Camera, Hierarchy, Mesh, NodeId, VertexId};
 use operators::order::{Scheme, Visit};
-use papers::study::{cell_errors, cell_levels};
-use render::{Drawing, Easel, Edges, Finish, Look, Overlay as Colours, Prefer, RenderError, Scene};
+use render::{
+    Drawing, Easel, Edges, Finish, Inspect, Legend, Look, Overlay as Colours, Placed, Prefer, RenderError, Rgba, Scene,
+    Seen, Tint,
+};
+use selective::{Criterion, State};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 #[derive(Args)]
 pub struct Render {
-    /// The model
-    model: PathBuf,
+    #[command(flatten)]
+    subject: Subject,
     #[command(flatten)]
     selection: Selection,
     /// What to draw over the shading
@@ -30,6 +34,9 @@ pub struct Render {
     /// Look from here instead, without changing what is extracted
     #[arg(long, value_name = "FILE.json", conflicts_with = "from_outside")]
     look_from: Option<PathBuf>,
+    /// With --look-from: draw the frustum of --camera
+    #[arg(long, requires_all = ["camera", "look_from"])]
+    frustum: bool,
     /// Size of the picture
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<(u32, u32)>,
@@ -56,13 +63,19 @@ enum Overlay {
     Wireframe,
     /// Colour by error, in model units
     Error,
-    /// Colour by level
+    /// Colour by level: the longest chain of modifications down to a triangle
     Level,
+    /// Black by edges, dark grey by fans, light grey where the base mesh is
+    Operations,
+    /// Red where nobody asked for what others needed
+    Forced,
+    /// Blue around whole fans, orange around partial ones
+    Fans,
     /// Colour by normal
     Normals,
     /// The dual pieces of the mesh's vertices over the input; of vertex hierarchies
     Pieces,
-    /// Edges of one triangle, blue, and of more than two, red
+    /// Edges of one triangle, blue, of more than two and where a crack is, red
     Boundary,
     /// The outline as the camera sees it
     Outline,
@@ -71,7 +84,19 @@ enum Overlay {
 impl Overlay {
     /// Whether it colours triangles, which only one overlay can.
     fn colours(self) -> bool {
-        matches!(self, Self::Error | Self::Level | Self::Normals | Self::Pieces)
+        self == Self::Pieces || self.tint().is_some()
+    }
+
+    fn tint(self) -> Option<Tint> {
+        Some(match self {
+            Self::Error => Tint::Error,
+            Self::Level => Tint::Level,
+            Self::Operations => Tint::Operations,
+            Self::Forced => Tint::Forced,
+            Self::Fans => Tint::Fans,
+            Self::Normals => Tint::Normals,
+            Self::Wireframe | Self::Pieces | Self::Boundary | Self::Outline => return None,
+        })
     }
 }
 
@@ -94,7 +119,9 @@ impl Render {
     pub fn run(self) -> Result<ExitCode, CommandError> {
         let form = Form::of(&self.output)?;
         if self.overlay.iter().filter(|overlay| overlay.colours()).count() > 1 {
-            return Err(CommandError::Other("colours show one thing: error, level, normals or pieces".into()));
+            return Err(CommandError::Other(
+                "colours show one thing: error, level, normals, operations, forced, fans or pieces".into(),
+            ));
         }
         if form != Form::Pixels && (self.transparent || self.finer > 1) {
             return Err(CommandError::Other(
@@ -112,7 +139,7 @@ impl Render {
         let (low, high) = selected.extent;
         let from = self.viewpoint(camera, low, high)?;
         let mut scene = self.scene(&selected, from.eye);
-        if let Some(camera) = camera.as_ref().filter(|_| self.from_outside) {
+        if let Some(camera) = camera.as_ref().filter(|_| self.from_outside || self.frustum) {
             scene.add_frustum(camera, low, high);
         }
         let by = self.write(form, &scene, &from, &selected)?;
@@ -127,35 +154,31 @@ impl Render {
 
     /// What is drawn, for an eye.
     fn scene(&self, selected: &Selected, eye: Vec3) -> Scene {
-        let Selected { mesh, values, .. } = selected;
+        let Selected { mesh, colours, legend, .. } = selected;
         if let Some((input, above)) = &selected.pieces {
             // Lines as wide as pieces would hide them.
             let width_px = if mesh.cell_count() > 2000 { 0.5 } else { 1.2 };
             return render::dual_pieces(input, width_px, |v| above[v.index()]);
         }
-        let range = Colours::range_of(values);
-        let normals = if self.shows(Overlay::Normals) { render::normal_colours(mesh) } else { Vec::new() };
-        let overlay = match () {
-            () if self.shows(Overlay::Error) => Colours::Error { values, range },
-            () if self.shows(Overlay::Level) => Colours::Level { values, range },
-            () if self.shows(Overlay::Normals) => Colours::Colours(&normals),
-            () => Colours::None,
-        };
+        let overlay = colours.as_deref().map_or(Colours::None, Colours::Colours);
         let wireframe = self.shows(Overlay::Wireframe);
         let mut scene = render::encode(mesh, &Look { wireframe, overlay, ..Look::default() });
+        scene.legend = *legend;
         if self.shows(Overlay::Outline) {
             scene.add_edges(&mesh.positions, &mesh.cells, Edges::Outline(eye));
         }
         if self.shows(Overlay::Boundary) {
-            scene.add_edges(&mesh.positions, &mesh.cells, Edges::Boundary);
+            let which = selected.boundary.as_ref().map_or(Edges::Boundary, Edges::Cracks);
+            scene.add_edges(&mesh.positions, &mesh.cells, which);
         }
         scene
     }
 
     /// Draws and writes; by whom.
     fn write(&self, form: Form, scene: &Scene, from: &Camera, selected: &Selected) -> Result<String, CommandError> {
-        let wrong =
-            |error: RenderError| files::FileError::new(&self.model, format!("the picture cannot be drawn: {error}"));
+        let wrong = |error: RenderError| {
+            files::FileError::new(self.subject.path(), format!("the picture cannot be drawn: {error}"))
+        };
         if form == Form::Pixels {
             let prefer = match self.painter {
                 Painter::Any => Prefer::Any,
@@ -177,7 +200,7 @@ impl Render {
 
     /// Model, scheme, criterion and counts, as a line.
     fn told(&self, selected: &Selected) -> String {
-        let name = self.model.file_name().unwrap_or_default().to_string_lossy();
+        let name = self.subject.path().file_name().unwrap_or_default().to_string_lossy();
         let Selection { error, cells, camera, region, .. } = &self.selection;
         let asked = [
             camera.as_ref().map(|_| format!("{} px on the screen", self.selection.pixels)),
@@ -191,38 +214,64 @@ impl Render {
         format!("{name}, {}, {asked}: {counts}", selected.scheme)
     }
 
-    /// Extracts what is to be drawn, and the values that colour it.
+    /// Extracts what is to be drawn, and what colours it.
     fn selected(&self, camera: Option<&Camera>) -> Result<Selected, CommandError> {
-        let coloured = self.shows(Overlay::Error) || self.shows(Overlay::Level);
-        match files::load_model(&self.model)?.0 {
+        match self.subject.load()? {
             Model::Triangles(_) if self.shows(Overlay::Pieces) => {
                 let what = "is an explicit model; pieces are of a vertex hierarchy (build it with --dependency)";
-                Err(files::FileError::new(&self.model, what).into())
+                Err(files::FileError::new(self.subject.path(), what).into())
             }
             Model::Triangles(model) => {
                 let state = match self.selection.per_cell {
                     Some(per_cell) => self.selection.run_per_cell(&model, per_cell).0,
                     None => self.selection.run(&*model, camera)?.0,
                 };
-                let values = if self.overlay.contains(&Overlay::Error) {
-                    cell_errors(&model, &state.view.mesh)
-                } else if coloured {
-                    cell_levels(&model, &state.view.mesh)
-                } else {
-                    Vec::new()
-                };
-                Ok(Selected { values, ..Selected::of(mesh_of(&*model, &state.view.mesh), "cells", &model.reference()) })
+                self.told_of(&*model, &state, camera, "cells")
             }
-            Model::Hierarchy { .. } if coloured || self.selection.per_cell.is_some() => {
-                let what =
-                    "is a vertex hierarchy, which keeps no errors and levels of single cells: an explicit model does";
-                Err(files::FileError::new(&self.model, what).into())
+            Model::Hierarchy { .. } if self.selection.per_cell.is_some() => {
+                let what = "is a vertex hierarchy, which keeps no errors of single cells: an explicit model does";
+                Err(files::FileError::new(self.subject.path(), what).into())
             }
             Model::Hierarchy { replay, scheme } => scheme
                 .visit(&replay, Take { render: self, camera, scheme })
-                .map_err(|error| files::FileError::new(&self.model, error))?,
-            Model::Tetrahedra(_) => Err(files::no_triangles(&self.model).into()),
+                .map_err(|error| files::FileError::new(self.subject.path(), error))?,
+            Model::Tetrahedra(_) => Err(files::no_triangles(self.subject.path()).into()),
         }
+    }
+
+    /// What is to be drawn of a state.
+    fn told_of<M: Inspect>(
+        &self,
+        model: &M,
+        state: &State<3, M, ()>,
+        camera: Option<&Camera>,
+        scheme: &'static str,
+    ) -> Result<Selected, CommandError> {
+        let (front, index) = (state.front(), model.index());
+        let wish = self.selection.asked(camera)?.wish();
+        let tint = self.overlay.iter().find_map(|overlay| overlay.tint());
+        let cells: Vec<Placed> =
+            cells_of(model, &state.view.mesh).into_iter().map(|(cell, corners)| Placed { cell, corners }).collect();
+        let levels = if tint == Some(Tint::Level) { render::levels(model) } else { Vec::new() };
+        let asks = |m: NodeId| wish.asks(&model.bound(m), true);
+        let seen = Seen { model, index: &index, front, asks: &asks, steps: &state.steps, levels: &levels };
+        let tinting = tint.map(|tint| seen.tinting(tint, cells.iter().copied(), Look::default().material));
+        let input = model.input();
+        let pieces = if self.shows(Overlay::Pieces) { model.pieces(front) } else { None };
+        let boundary_shown = self.shows(Overlay::Boundary);
+        let boundary = if boundary_shown { model.boundary_at(&index, front) } else { None };
+        // Numbered as in the model, for the boundary's sake.
+        let mesh = Mesh { positions: model.positions().to_vec(), cells: cells.iter().map(|one| one.corners).collect() };
+        Ok(Selected {
+            colours: tinting.as_ref().map(|tinting| cells.iter().map(|&one| tinting.colour(one)).collect()),
+            legend: tinting.as_ref().and_then(|tinting| tinting.legend),
+            boundary,
+            mesh: if boundary_shown { mesh } else { mesh.compact() },
+            extent: input.bounding_box().unwrap_or_default(),
+            cells_in: input.cell_count(),
+            pieces: pieces.map(|above| (input, above)),
+            scheme,
+        })
     }
 
     fn viewpoint(&self, camera: Option<Camera>, low: Vec3, high: Vec3) -> Result<Camera, CommandError> {
@@ -247,7 +296,10 @@ impl Render {
 struct Selected {
     mesh: Mesh<3>,
     /// Of each triangle, where colours show something.
-    values: Vec<f32>,
+    colours: Option<Vec<Rgba>>,
+    legend: Option<Legend>,
+    /// Where the boundary must be, if that is shown.
+    boundary: Option<HashSet<[VertexId; 2]>>,
     /// Where dual pieces are shown: the input, and what stands above each of its vertices.
     pieces: Option<(Mesh<3>, Vec<VertexId>)>,
     /// What steps wait for.
@@ -255,13 +307,6 @@ struct Selected {
     /// Of the input.
     extent: (Vec3, Vec3),
     cells_in: usize,
-}
-
-impl Selected {
-    fn of(mesh: Mesh<3>, scheme: &'static str, input: &Mesh<3>) -> Self {
-        let extent = input.bounding_box().unwrap_or_default();
-        Self { mesh, values: Vec::new(), pieces: None, scheme, extent, cells_in: input.cell_count() }
-    }
 }
 
 /// Extracts from a hierarchy, whatever its dependencies.
@@ -275,10 +320,7 @@ impl Visit for Take<'_> {
     type Output = Result<Selected, CommandError>;
     fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Self::Output {
         let (state, _) = self.render.selection.run(model, self.camera)?;
-        let input = model.replay.reference();
-        let above = self.render.shows(Overlay::Pieces).then(|| active_ancestors(&model.replay, state.front()));
-        let selected = Selected::of(mesh_of(model, &state.view.mesh), self.scheme.name(), &input);
-        Ok(Selected { pieces: above.map(|above| (input, above)), ..selected })
+        self.render.told_of(model, &state, self.camera, self.scheme.name())
     }
 }
 

@@ -99,6 +99,13 @@ pub(super) enum Seen {
 impl Visit for Look<'_> {
     type Output = Seen;
     fn visit<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Seen {
+        self.at(model)
+    }
+}
+
+impl Look<'_> {
+    /// Looks at a hierarchy under any dependency, also of somebody else's.
+    pub(super) fn at<D: Dependency + Send>(self, model: &Hierarchy<D>) -> Seen {
         if let Some(at) = self.last {
             let (front, breach) = simplest_front(model, &self.options, at);
             let mesh = mesh_at(model, &front);

@@ -9,7 +9,7 @@ use mt_core::analysis::{self, analyse};
 use mt_core::check::{self, Breach, Law, Random};
 use mt_core::hierarchy::{Dependency, HierarchyError};
 use mt_core::{Front, Hierarchy, Replay, Rule, Sequence};
-use operators::order::{Stored, Visit};
+use operators::order::Stored;
 use operators::{EdgeCollapse, FanMerge};
 use std::cell::RefCell;
 use std::panic::Location;
@@ -102,7 +102,7 @@ fn judged<D: Dependency + Send>(
     {
         return Ok(Seen::Broken(Box::new(At { front, breach, case: Random::new(look.options.seed) })));
     }
-    Ok(look.visit(&model))
+    Ok(look.at(&model))
 }
 
 /// An order that finds itself unsound is a finding too: on the input, since there is no model to step through.

@@ -8,11 +8,10 @@ use crate::table::Table;
 use glam::Vec3;
 use mt_core::hierarchy::VertexMesh;
 use mt_core::model::{cells_of, mesh_of, take};
-use mt_core::{Camera, Cell, CellId, Hierarchy, Mesh, MultiTessellation, Sink, Step, View};
+use mt_core::{Camera, Cell, CellId, Hierarchy, Mesh, Sink, View};
 use operators::order::ImplicitIds;
-use render::{Look, Overlay, Rgba, encode, outside};
+use render::{Look, Overlay, Rgba, by_fans, encode, outside};
 use selective::{Limits, OnPath, Path, ScreenError, State, adapt};
-use std::collections::BTreeMap;
 
 type Fans = Hierarchy<ImplicitIds>;
 
@@ -52,21 +51,6 @@ impl Sink<3> for Marks {
     }
 }
 
-/// How each step came about: by a fan where all of its run was changed one way, else by an edge.
-fn kinds(model: &Fans, steps: &[Step]) -> Vec<By> {
-    let run = |step: &Step| (model.run(step.node), (*model.run(step.node).start(), step.refined));
-    let mut counts = BTreeMap::new();
-    for step in steps {
-        *counts.entry(run(step).1).or_insert(0u32) += 1;
-    }
-    let kind = |step: &Step| {
-        let (run, key) = run(step);
-        let length = run.end().0 - run.start().0 + 1;
-        if length > 1 && counts[&key] == length { By::Fan } else { By::Edge }
-    };
-    steps.iter().map(kind).collect()
-}
-
 /// A camera that is followed frame by frame, with what its steps did.
 struct Flight<'a> {
     model: &'a Fans,
@@ -95,7 +79,8 @@ impl<'a> Flight<'a> {
     }
 
     fn mark(&mut self, mut view: View<VertexMesh>) {
-        for (&step, by) in self.state.steps.iter().zip(kinds(self.model, &self.state.steps)) {
+        for (&step, by) in self.state.steps.iter().zip(by_fans(self.model, &self.state.steps)) {
+            let by = if by { By::Fan } else { By::Edge };
             self.marks.by = by;
             take(self.model, step, &mut view, &mut self.marks);
             self.nodes[usize::from(by == By::Edge)] += 1;

@@ -10,7 +10,7 @@ const SHARP_COSINE: f64 = 0.766;
 const FOLD_COSINE: f64 = -0.5;
 
 /// The positions of the vertices at sharp edges and at boundaries; where nothing is sharp, every hundredth vertex.
-pub(super) fn sharp_vertices(mesh: &Mesh<3>) -> Vec<Vec3> {
+pub fn sharp_vertices(mesh: &Mesh<3>) -> Vec<Vec3> {
     let mut sharp = vec![false; mesh.positions.len()];
     each_edge(&mesh.cells, &mesh.positions, |[a, b], cosine| {
         if cosine.is_none_or(|cosine| cosine < SHARP_COSINE) {

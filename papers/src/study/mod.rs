@@ -18,6 +18,7 @@ pub(crate) use features::folds;
 
 pub use build::{Cache, NoCache};
 pub use choices::{CriterionKind, DependencyKind, StrategyKind, UnknownChoice};
+pub use features::sharp_vertices;
 pub use path::camera_path;
 pub use pictures::{cell_errors, cell_levels};
 pub use report::page;

@@ -1,0 +1,105 @@
+//! What is written of a view: the picture, and beside it all that makes it again.
+
+use crate::pane::Pane;
+use crate::viewer::Viewer;
+use mt_core::Camera;
+use papers::study::{CriterionKind, DependencyKind, StrategyKind};
+use serde_json::{Value, json};
+
+/// A file to be written: its ending, and its bytes.
+pub type File = (&'static str, Vec<u8>);
+
+/// Writes files that belong together under one new name, that tells what they are; gives the name, or says why not.
+pub type Save = Box<dyn FnMut(&str, &[File]) -> Result<String, String>>;
+
+/// What is beside a picture: model, question, camera, counts, and the command that makes it again where one does.
+pub fn facts(viewer: &Viewer, pane: &Pane, camera: &Camera) -> Value {
+    let subject = viewer.subject(pane);
+    let [refined, nodes] = pane.play.nodes();
+    let (log, ask) = (pane.play.log(), &viewer.ask);
+    json!({
+        "model": subject.name,
+        "operator": pane.choice.operator.as_ref().unwrap_or(&subject.made_by),
+        "dependency": pane.choice.dependency.name(),
+        "criterion": ask.criterion.name(),
+        "strategy": ask.strategy.name(),
+        "error_px": ask.error_px,
+        "error_share": ask.error_share,
+        "budget": ask.cells,
+        "shown": {
+            "wire": viewer.shown.wire,
+            "tint": viewer.shown.tint.name(),
+            "edges": viewer.shown.edges,
+            "outline": viewer.shown.outline,
+            "pieces": viewer.shown.pieces,
+        },
+        "frozen": viewer.frozen.is_some(),
+        "camera": camera,
+        "eye": viewer.frozen.unwrap_or(*camera),
+        "triangles": pane.play.places().triangle_count(),
+        "triangles_in": subject.extent.cells,
+        "nodes_refined": refined,
+        "nodes": nodes,
+        "steps_taken": pane.play.at(),
+        "steps_in_log": log.steps.len(),
+        "picked": pane.picked.as_ref().map(|picked| json!({
+            "cell": picked.placed.cell,
+            "corner": picked.corner,
+            "came_with": picked.came_with.map(|node| node.node),
+            "refined_by": picked.refined_by.map(|node| node.node),
+            "chain": picked.chain_length,
+        })),
+        "command": command(viewer, pane),
+    })
+}
+
+/// The files of a picture: pixels, facts, and the cameras as `mtess render` takes them.
+pub fn picture(viewer: &Viewer, pane: &Pane, camera: &Camera, png: Vec<u8>) -> Vec<File> {
+    let text = |value: &Value| format!("{value:#}\n").into_bytes();
+    let mut files =
+        vec![("png", png), ("json", text(&facts(viewer, pane, camera))), ("camera.json", text(&json!(camera)))];
+    if let Some(eye) = &viewer.frozen {
+        files.push(("eye.json", text(&json!(eye))));
+    }
+    files
+}
+
+/// The command that draws the picture again, with `NAME` for the name of its files. None where the mesh depends on what was
+/// there before, or where no option asks for the same.
+fn command(viewer: &Viewer, pane: &Pane) -> Option<String> {
+    let ask = &viewer.ask;
+    let memoryless = matches!(ask.strategy, StrategyKind::Incremental | StrategyKind::TopDown | StrategyKind::Priority);
+    if ask.criterion != CriterionKind::Screen || !memoryless || pane.play.is_past() {
+        return None;
+    }
+    let subject = viewer.subject(pane);
+    let mut words = vec![format!("mtess render {}", quoted(&subject.name))];
+    match (&pane.choice.operator, pane.choice.dependency) {
+        (None, dependency) if dependency == subject.choice.dependency => {}
+        (_, DependencyKind::Cells) => return None,
+        (operator, DependencyKind::Scheme(scheme)) => {
+            words.extend(operator.iter().map(|operator| format!("--operator {operator}")));
+            words.push(format!("--dependency {scheme}"));
+        }
+    }
+    let eye = if viewer.frozen.is_some() { "eye" } else { "camera" };
+    words.push(format!("--camera NAME.{eye}.json --pixels {}", ask.error_px));
+    words.extend(viewer.frozen.map(|_| "--look-from NAME.camera.json --frustum".to_owned()));
+    let shown = &viewer.shown;
+    let overlays = [
+        (shown.wire, "wireframe"),
+        (shown.edges, "boundary"),
+        (shown.outline, "outline"),
+        (shown.pieces, "pieces"),
+        (shown.tint != render::Tint::Plain && !shown.pieces, shown.tint.name()),
+    ];
+    words.extend(overlays.iter().filter(|(on, _)| *on).map(|(_, name)| format!("--overlay {name}")));
+    words.push("-o NAME.again.png".into());
+    Some(words.join(" "))
+}
+
+/// A file's name as a shell takes it.
+fn quoted(name: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+".contains(c);
+    if name.chars().all(plain) { name.to_owned() } else { format!("'{}'", name.replace('\'', "'\\''")) }
+}

@@ -1,0 +1,354 @@
+//! What the window shows and what can be done to it, without the window.
+
+use crate::ask::Ask;
+use crate::keys::Action;
+use crate::marks::add_picked;
+use crate::pane::{Choice, FrameFacts, Make, Pane, Subject};
+use crate::pick::pick;
+use crate::pilot::{Flight, Pilot};
+use glam::{Vec2, Vec3};
+use mt_core::{Camera, Cell};
+use operators::AnyOperator;
+use papers::study::{CriterionKind, DependencyKind, StrategyKind};
+use render::{Edges, Legend, Rgba, Scene, Tint};
+use std::collections::{HashSet, VecDeque};
+use std::time::Duration;
+
+/// Frames that the graph remembers.
+pub const FRAMES_KEPT: usize = 240;
+/// Factor of one step finer or coarser.
+const PACE: f32 = 1.189_207;
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shown {
+    /// The triangles' edges.
+    pub wire: bool,
+    /// What colours tell.
+    pub tint: Tint,
+    /// Boundary, edges of many triangles, cracks.
+    pub edges: bool,
+    /// The outline.
+    pub outline: bool,
+    /// The dual pieces over the input, instead of the mesh.
+    pub pieces: bool,
+}
+
+/// A frame, for the graph.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Record {
+    /// Of each pane; the second is empty where there is one.
+    pub panes: [FrameFacts; 2],
+    /// Bytes sent to the device.
+    pub bytes: u64,
+    /// From the frame before to this one, where that one asked for it; else 0.
+    pub whole: Duration,
+}
+
+/// Everything but the window.
+pub struct Viewer {
+    /// The models.
+    pub subjects: Vec<Subject>,
+    make: Make,
+    /// One or two.
+    pub panes: Vec<Pane>,
+    /// The one that choices are for.
+    pub active: usize,
+    /// The camera, which all panes share.
+    pub pilot: Pilot,
+    /// What is asked.
+    pub ask: Ask,
+    /// The eye that the mesh is made for, while the camera is elsewhere.
+    pub frozen: Option<Camera>,
+    /// What is drawn.
+    pub shown: Shown,
+    /// A camera path, recorded or loaded.
+    pub path: Vec<Camera>,
+    /// Where on the path the camera is, while it follows it.
+    pub following: Option<usize>,
+    /// Whether the path is being recorded.
+    pub is_recording: bool,
+    /// The last frames.
+    pub records: VecDeque<Record>,
+    /// What there is to say.
+    pub message: String,
+    /// Whether the keys are shown.
+    pub is_help_shown: bool,
+    last_eye: Vec3,
+}
+
+impl Viewer {
+    /// Of models with a view each: one or two.
+    pub fn new(subjects: Vec<Subject>, panes: Vec<Pane>, make: Make, path: Vec<Camera>) -> Self {
+        let (low, high) = subjects
+            .iter()
+            .map(|subject| (subject.extent.low, subject.extent.high))
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), (a, b)| (low.min(a), high.max(b)));
+        let pilot = Pilot::around(low, high);
+        let last_eye = pilot.camera([1, 1]).eye;
+        Self {
+            ask: Ask::usual(subjects[0].extent.cells),
+            subjects,
+            make,
+            panes,
+            active: 0,
+            pilot,
+            frozen: None,
+            shown: Shown::default(),
+            path,
+            following: None,
+            is_recording: false,
+            records: VecDeque::new(),
+            message: String::new(),
+            is_help_shown: false,
+            last_eye,
+        }
+    }
+
+    /// What a pane is about.
+    pub fn subject(&self, pane: &Pane) -> &Subject {
+        &self.subjects[pane.model]
+    }
+
+    /// Takes what is ready, moves along the path, and brings all panes to what is asked for a picture of this size. Two panes
+    /// work side by side.
+    pub fn frame(&mut self, size: [u32; 2]) {
+        for pane in &mut self.panes {
+            if let Err(why) = pane.receive() {
+                self.message = format!("{why}; the view stays as it is");
+            }
+        }
+        self.follow();
+        let camera = self.camera(size);
+        if self.is_recording {
+            self.path.push(camera);
+        }
+        let eye = self.frozen.unwrap_or(camera);
+        let (ask, last) = (self.ask, self.last_eye);
+        self.last_eye = eye.eye;
+        let subjects = &self.subjects;
+        let work = |pane: &mut Pane| {
+            let asked = ask.of(&subjects[pane.model].extent, &eye, last);
+            pane.adapt(&ask, &asked, &eye)
+        };
+        let changed: Vec<bool> = match &mut self.panes[..] {
+            [one, other] => std::thread::scope(|scope| {
+                let beside = scope.spawn(|| work(other));
+                let first = work(one);
+                vec![first, beside.join().unwrap_or(true)]
+            }),
+            panes => panes.iter_mut().map(work).collect(),
+        };
+        for (pane, changed) in self.panes.iter_mut().zip(changed) {
+            if changed && pane.facts.outcome.refined + pane.facts.outcome.coarsened > 0 {
+                pane.picked = None;
+            }
+        }
+    }
+
+    /// The camera that is looked through.
+    pub fn camera(&self, size: [u32; 2]) -> Camera {
+        if self.frozen.is_some() { self.pilot.camera_outside(size) } else { self.pilot.camera(size) }
+    }
+
+    fn follow(&mut self) {
+        let Some(at) = self.following else { return };
+        match self.path.get(at) {
+            Some(camera) => {
+                self.pilot.set(camera);
+                self.following = Some(at + 1);
+            }
+            None => self.following = None,
+        }
+    }
+
+    /// Colours the triangles of a pane, and gives what else is drawn of it as `camera` sees it; with its triangles where they
+    /// are not those of the view.
+    pub fn scene(&mut self, pane: usize, camera: &Camera) -> Scene {
+        let eye = self.frozen.unwrap_or(*camera);
+        let (shown, frozen) = (self.shown, self.frozen);
+        let subject = &self.subjects[self.panes[pane].model];
+        let asked = self.ask.of(&subject.extent, &eye, eye.eye);
+        let Pane { play, picked, .. } = &mut self.panes[pane];
+        let nothing = HashSet::new();
+        let marked = picked.as_ref().map_or(&nothing, |picked| &picked.replaced);
+        let legend = play.tint(shown.tint, &asked, marked);
+        let pieces = if shown.pieces { play.pieces() } else { None };
+        let mut scene = pieces.unwrap_or_else(|| plain_scene(play.places().origin(), shown.wire, legend));
+        if shown.edges || shown.outline {
+            let cells: Vec<Cell<3>> = play.places().triangles().map(|(placed, _)| placed.corners).collect();
+            if shown.outline {
+                scene.add_edges(play.positions(), &cells, Edges::Outline(camera.eye));
+            }
+            if shown.edges {
+                let boundary = play.boundary();
+                let which = boundary.as_ref().map_or(Edges::Boundary, Edges::Cracks);
+                scene.add_edges(play.positions(), &cells, which);
+            }
+        }
+        if let Some(frozen) = frozen {
+            scene.add_frustum(&frozen, subject.extent.low, subject.extent.high);
+        }
+        if let Some(picked) = picked {
+            add_picked(&mut scene, picked);
+        }
+        scene
+    }
+
+    /// Points at what lies under a pixel of a pane.
+    pub fn pick(&mut self, pane: usize, camera: &Camera, pixel: Vec2) {
+        self.active = pane;
+        let Pane { play, picked, .. } = &mut self.panes[pane];
+        *picked = pick(play.places(), camera, pixel).map(|hit| play.pick(hit.placed, hit.corner));
+        self.message = if picked.is_none() { "nothing is there".into() } else { String::new() };
+    }
+
+    /// Does what needs neither window nor file; whether it was that.
+    pub fn act(&mut self, action: Action, size: [u32; 2]) -> bool {
+        self.message.clear();
+        match action {
+            Action::Help => self.is_help_shown ^= true,
+            Action::Freeze => self.freeze(size),
+            Action::Flight => {
+                let orbits = self.pilot.flight == Flight::Orbit;
+                self.pilot.flight = if orbits { Flight::Fly } else { Flight::Orbit };
+            }
+            Action::Fit => self.pilot.fit(),
+            Action::Wire => self.shown.wire ^= true,
+            Action::NextTint => self.shown.tint = next(&Tint::ALL, self.shown.tint, 1),
+            Action::Edges => self.shown.edges ^= true,
+            Action::Outline => self.shown.outline ^= true,
+            Action::Pieces => self.shown.pieces ^= true,
+            Action::NextScheme => self.next_scheme(1),
+            Action::LastScheme => self.next_scheme(-1),
+            Action::NextOperator => self.next_operator(),
+            Action::NextCriterion => self.ask.criterion = next(CriterionKind::ALL, self.ask.criterion, 1),
+            Action::NextStrategy => self.ask.strategy = next(StrategyKind::ALL, self.ask.strategy, 1),
+            Action::Finer => self.pace(1.0 / PACE),
+            Action::Coarser => self.pace(PACE),
+            Action::Split => self.split(),
+            Action::OtherPane => self.active = (self.active + 1) % self.panes.len(),
+            Action::StepBack => self.panes.iter_mut().for_each(|pane| pane.step(-1)),
+            Action::StepForward => self.panes.iter_mut().for_each(|pane| pane.step(1)),
+            Action::FrameBack => self.panes.iter_mut().for_each(|pane| pane.frame(false)),
+            Action::FrameForward => self.panes.iter_mut().for_each(|pane| pane.frame(true)),
+            Action::Now => self.panes.iter_mut().for_each(|pane| pane.seek(usize::MAX)),
+            Action::Record => self.record(),
+            Action::Play => self.play(),
+            Action::Unpick => self.panes.iter_mut().for_each(|pane| pane.picked = None),
+            Action::Pick => {
+                let camera = self.camera(size);
+                self.pick(self.active, &camera, Vec2::new(size[0] as f32, size[1] as f32) * 0.5);
+            }
+            Action::SavePicture | Action::SaveWindow | Action::SavePath | Action::SaveLog | Action::Quit => {
+                return false;
+            }
+        }
+        true
+    }
+
+    fn freeze(&mut self, size: [u32; 2]) {
+        match self.frozen.take() {
+            // Back to where the mesh was made for.
+            Some(camera) => self.pilot.set(&camera),
+            None => self.frozen = Some(self.pilot.camera(size)),
+        }
+    }
+
+    fn next_scheme(&mut self, by: isize) {
+        let all: Vec<DependencyKind> = DependencyKind::all().collect();
+        let chosen = self.panes[self.active].chosen().clone();
+        self.choose(self.active, Choice { dependency: next(&all, chosen.dependency, by), ..chosen });
+    }
+
+    fn next_operator(&mut self) {
+        let names = self.operators();
+        let chosen = self.panes[self.active].chosen().clone();
+        self.choose(self.active, Choice { operator: next(&names, chosen.operator.clone(), 1), ..chosen });
+    }
+
+    /// The operators there are; none stands for the model as it came.
+    pub fn operators(&self) -> Vec<Option<String>> {
+        std::iter::once(None).chain(AnyOperator::NAMES.map(|name| Some(name.to_owned()))).collect()
+    }
+
+    /// Has another view made for a pane.
+    pub fn choose(&mut self, pane: usize, choice: Choice) {
+        self.panes[pane].choose(choice, &self.make);
+    }
+
+    fn pace(&mut self, factor: f32) {
+        let Ask { criterion, error_px, error_share, cells, .. } = &mut self.ask;
+        match criterion {
+            CriterionKind::Budget => *cells = ((*cells as f32 / factor) as u32).max(1),
+            CriterionKind::Uniform | CriterionKind::Region | CriterionKind::Features | CriterionKind::Visual => {
+                *error_share = (*error_share * factor).clamp(1e-7, 1.0);
+            }
+            _ => *error_px = (*error_px * factor).clamp(1e-3, 1e3),
+        }
+    }
+
+    /// A second pane of the same model, which begins as the first one came; or one pane again.
+    fn split(&mut self) {
+        if self.panes.len() == 2 {
+            self.panes.truncate(1);
+            self.active = 0;
+            return;
+        }
+        let Pane { model, choice, .. } = &self.panes[0];
+        match (self.make)(*model, choice) {
+            Ok(play) => {
+                self.panes.push(Pane::new(*model, choice.clone(), play));
+                self.active = 1;
+            }
+            Err(why) => self.message = why,
+        }
+    }
+
+    fn record(&mut self) {
+        self.is_recording ^= true;
+        if self.is_recording {
+            self.path.clear();
+            self.following = None;
+        }
+    }
+
+    fn play(&mut self) {
+        self.is_recording = false;
+        self.following = match self.following {
+            Some(_) => None,
+            None if self.path.is_empty() => {
+                self.message = "there is no path: record one".into();
+                None
+            }
+            None => Some(0),
+        };
+    }
+
+    /// Whether the next frame will differ from this one without anybody's doing.
+    pub fn is_moving(&self) -> bool {
+        self.following.is_some()
+            || self.is_recording
+            || self.panes.iter().any(|pane| pane.waits().is_some() || !pane.facts.outcome.complete)
+    }
+
+    /// Remembers a frame.
+    pub fn remember(&mut self, record: Record) {
+        if self.records.len() == FRAMES_KEPT {
+            self.records.pop_front();
+        }
+        self.records.push_back(record);
+    }
+}
+
+/// The one after another in a list, or before it; the first where it is not there.
+fn next<T: PartialEq + Clone>(all: &[T], at: T, by: isize) -> T {
+    let place = all.iter().position(|one| *one == at).map_or(0, |place| place as isize + by);
+    all[place.rem_euclid(all.len() as isize) as usize].clone()
+}
+
+const WIRE: Rgba = [38, 36, 34, 255];
+
+fn plain_scene(origin: Vec3, wire: bool, legend: Option<Legend>) -> Scene {
+    Scene { origin, wire: wire.then_some(WIRE), legend, ..Scene::default() }
+}

@@ -1,0 +1,238 @@
+//! `mtess view`: a window on one model or two.
+
+use super::{CommandError, print_text};
+use crate::coarsening::{Coarsening, replay_of};
+use crate::files::{self, FileError, Model};
+use crate::kept::Kept;
+use crate::selection;
+use crate::subject::is_mesh;
+use clap::Args;
+use glam::Vec3;
+use mt_core::format::LoadOptions;
+use mt_core::{Explicit, Mesh, Replay};
+use operators::AnyOperator;
+use operators::order::Scheme;
+use papers::study::{DependencyKind, built_in};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::str::FromStr;
+use std::sync::{Arc, Mutex, PoisonError};
+use viewer::{Choice, Extent, File, Make, Pane, Play, PlayFrom, Viewer, play};
+
+#[derive(Args)]
+pub struct View {
+    /// The model, or a mesh: mt, obj, ply, stl, off, gltf or glb; two of them side by side. If none is named, a generated one
+    #[arg(num_args = 0..=2)]
+    models: Vec<PathBuf>,
+    /// Of meshes: what coarsens them, as in `mtess build` [default: edge-collapse]
+    #[arg(long, value_name = "NAME[/METRIC]")]
+    operator: Option<AnyOperator>,
+    /// What steps wait for: cells, or a scheme as in `mtess build` [default: dual-piece for a mesh, else as the model was built]
+    #[arg(long, value_name = "NAME")]
+    dependency: Option<DependencyKind>,
+    /// A second pane of the same model, under this dependency
+    #[arg(long, value_name = "NAME")]
+    beside: Option<DependencyKind>,
+    /// A camera path to follow: a JSON list of cameras, as studies and movies take it
+    #[arg(long, value_name = "FILE.json")]
+    cameras: Option<PathBuf>,
+    /// Largest error on the screen, in pixels
+    #[arg(long, value_name = "PX", default_value_t = 1.0)]
+    pixels: f32,
+    /// Folder of what is saved
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    output: PathBuf,
+    /// Destroy the device after so many frames, to see that the window comes back
+    #[arg(long, value_name = "N", hide = true)]
+    lose_device_after: Option<u32>,
+}
+
+impl View {
+    pub fn run(self) -> Result<ExitCode, CommandError> {
+        if !(self.pixels.is_finite() && self.pixels > 0.0) {
+            return Err(CommandError::Other("--pixels must be a number above 0".into()));
+        }
+        if self.beside.is_some() && self.models.len() == 2 {
+            return Err(CommandError::Other("there are two panes: two models, or one with --beside".into()));
+        }
+        files::check_folder(&self.output)?;
+        let path = self.cameras.as_deref().map(|path| selection::cameras(Some(path), 0, &[])).transpose()?;
+        let sources = Arc::new(self.sources()?);
+        let kept = Arc::clone(&sources);
+        let make: Make = Arc::new(move |model, choice| kept[model].view(choice).map_err(|error| error.to_string()));
+        let mut panes = Vec::new();
+        for (i, source) in sources.iter().enumerate() {
+            let dependencies = [Some(source.came.dependency), self.beside];
+            for dependency in dependencies.into_iter().flatten() {
+                let choice = Choice { dependency, ..source.came.clone() };
+                let play = source.view(&choice)?;
+                panes.push(Pane::new(i, choice, play));
+            }
+        }
+        let subjects = sources.iter().map(Source::subject).collect();
+        let mut viewer = Viewer::new(subjects, panes, make, path.unwrap_or_default());
+        viewer.ask.error_px = self.pixels;
+        let stem = sources[0].path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let folder = self.output;
+        let save = Box::new(move |what: &str, files: &[File]| written(&folder, &stem, what, files));
+        let viewer = viewer::open(viewer, save, self.lose_device_after).map_err(|error| {
+            CommandError::Other(format!("{error}; mtess render and mtess movie make pictures without a window"))
+        })?;
+        print_text(&closing(&viewer));
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn sources(&self) -> Result<Vec<Source>, CommandError> {
+        if self.models.is_empty() {
+            let subject = built_in().swap_remove(0);
+            return Ok(vec![self.of_mesh(Path::new(&subject.name), subject.mesh)?]);
+        }
+        self.models.iter().map(|path| self.source(path)).collect()
+    }
+
+    fn source(&self, path: &Path) -> Result<Source, CommandError> {
+        if is_mesh(path) {
+            let (mesh, report) = files::load_mesh(path, &LoadOptions::default())?;
+            eprint!("{report}");
+            return self.of_mesh(path, mesh);
+        }
+        let (model, meta) = files::load_model(path)?;
+        let (loaded, mesh, dependency) = match model {
+            Model::Triangles(model) => {
+                let mesh = model.reference();
+                (Loaded::Cells(Arc::new(*model)), mesh, DependencyKind::Cells)
+            }
+            Model::Hierarchy { replay, scheme } => {
+                let mesh = replay.reference();
+                (Loaded::Merges(replay), mesh, DependencyKind::Scheme(scheme))
+            }
+            Model::Tetrahedra(_) => return Err(files::no_triangles(path).into()),
+        };
+        let operator = self.operator.as_ref().map(AnyOperator::name);
+        let came = Choice { operator, dependency: self.dependency.unwrap_or(dependency) };
+        Ok(Source::new(path, mesh, loaded, came, meta.operator))
+    }
+
+    fn of_mesh(&self, path: &Path, mesh: Mesh<3>) -> Result<Source, CommandError> {
+        let operator = crate::subject::operator_or_usual(self.operator.as_ref())?;
+        let dependency = self.dependency.unwrap_or(DependencyKind::Scheme(Scheme::DualPiece));
+        let came = Choice { operator: None, dependency };
+        Ok(Source::new(path, mesh, Loaded::Mesh, came, operator.name()))
+    }
+}
+
+/// What a file held.
+enum Loaded {
+    Mesh,
+    Cells(Arc<Explicit<3>>),
+    Merges(Arc<Replay>),
+}
+
+/// A model to look at, and what was made of its input since.
+struct Source {
+    path: PathBuf,
+    mesh: Mesh<3>,
+    extent: Extent,
+    loaded: Loaded,
+    came: Choice,
+    made_by: String,
+    /// By operator.
+    cells: Mutex<HashMap<String, Arc<Explicit<3>>>>,
+    replays: Mutex<HashMap<String, Arc<Replay>>>,
+}
+
+impl Source {
+    fn new(path: &Path, mesh: Mesh<3>, loaded: Loaded, came: Choice, made_by: String) -> Self {
+        let extent = Extent::of(&mesh);
+        let (cells, replays) = Default::default();
+        Self { path: path.to_owned(), mesh, extent, loaded, came, made_by, cells, replays }
+    }
+
+    fn subject(&self) -> viewer::Subject {
+        viewer::Subject {
+            name: self.path.to_string_lossy().into_owned(),
+            extent: self.extent.clone(),
+            choice: self.came.clone(),
+            made_by: self.made_by.clone(),
+        }
+    }
+
+    /// A view under a choice, of what is there or what is made now.
+    fn view(&self, choice: &Choice) -> Result<Box<dyn Play>, CommandError> {
+        let origin: Vec3 = (self.extent.low + self.extent.high) * 0.5;
+        let as_it_came = choice.operator.is_none();
+        let name = choice.operator.clone().unwrap_or_else(|| self.made_by.clone());
+        let wrong = |error: &dyn std::fmt::Display| CommandError::File(FileError::new(&self.path, error));
+        match (choice.dependency, &self.loaded) {
+            (DependencyKind::Cells, Loaded::Cells(model)) if as_it_came => Ok(play(Arc::clone(model), origin)),
+            (DependencyKind::Cells, _) => Ok(play(kept(&self.cells, &name, || self.coarsened(&name))?, origin)),
+            (DependencyKind::Scheme(scheme), loaded) => {
+                let replay = match loaded {
+                    Loaded::Merges(replay) if as_it_came => Arc::clone(replay),
+                    _ => kept(&self.replays, &name, || {
+                        replay_of(&self.path, &self.mesh, &self.operator(&name)?).map(Arc::new)
+                    })?,
+                };
+                scheme.visit(&replay, PlayFrom(origin)).map_err(|error| wrong(&error))
+            }
+        }
+    }
+
+    /// The operator of this name; a file may name one that is not known.
+    fn operator(&self, name: &str) -> Result<AnyOperator, CommandError> {
+        let unknown = |error| FileError::new(&self.path, format!("{error}; choose one"));
+        AnyOperator::from_str(name).map_err(|error| unknown(error).into())
+    }
+
+    fn coarsened(&self, name: &str) -> Result<Arc<Explicit<3>>, CommandError> {
+        let coarsening = Coarsening::usual(&self.mesh, &self.operator(name)?);
+        match Kept::cells(&self.path, &self.mesh, &coarsening)?.0 {
+            Kept::Cells(model) => Ok(Arc::new(*model)),
+            Kept::Merges { .. } => Err(CommandError::Other("merges were kept where cells were asked for".into())),
+        }
+    }
+}
+
+/// What is kept under a name, or is made now; nothing else is made meanwhile.
+fn kept<T: Clone>(
+    shelf: &Mutex<HashMap<String, T>>,
+    name: &str,
+    make: impl FnOnce() -> Result<T, CommandError>,
+) -> Result<T, CommandError> {
+    let mut shelf = shelf.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(there) = shelf.get(name) {
+        return Ok(there.clone());
+    }
+    let made = make()?;
+    shelf.insert(name.to_owned(), made.clone());
+    Ok(made)
+}
+
+/// Writes files under the first free name: `bunny-picture-001.png` and so on.
+fn written(folder: &Path, stem: &str, what: &str, files: &[File]) -> Result<String, String> {
+    let name = |number: u32| format!("{stem}-{what}-{number:03}");
+    let is_free =
+        |number: &u32| files.iter().all(|(ending, _)| !folder.join(format!("{}.{ending}", name(*number))).exists());
+    let number = (1..100_000).find(is_free).ok_or("the folder is full of pictures")?;
+    for (ending, bytes) in files {
+        let path = folder.join(format!("{}.{ending}", name(number)));
+        files::write_bytes(&path, bytes).map_err(|error| error.to_string())?;
+    }
+    Ok(folder.join(name(number)).display().to_string())
+}
+
+/// A line on what was seen last.
+fn closing(viewer: &Viewer) -> String {
+    let times = viewer.records.iter().map(|record| record.whole.as_secs_f64() * 1e3);
+    let mut times: Vec<f64> = times.filter(|&time| time > 0.0).collect();
+    times.sort_by(f64::total_cmp);
+    let triangles = viewer.panes[0].play.places().triangle_count();
+    match times.get(times.len() / 2) {
+        Some(median) => format!(
+            "closed at {triangles} triangles; the last {} frames in motion took {median:.1} ms each, as median",
+            times.len()
+        ),
+        None => format!("closed at {triangles} triangles"),
+    }
+}
