@@ -20,13 +20,14 @@ const TEST_FILE_LINES: usize = 800;
 const FUNCTION_LINES: usize = 70;
 
 /// What each member may import from this workspace. Members by folder.
-const LAYERS: [(&str, &[&str]); 6] = [
+const LAYERS: [(&str, &[&str]); 7] = [
     ("mt-core", &[]),
     ("operators", &["mt-core"]),
     ("selective", &["mt-core"]),
     ("render", &["mt-core"]),
     ("papers", &["mt-core", "operators", "selective", "render"]),
-    (".", &["mt-core", "operators", "selective", "render", "papers"]),
+    ("render/viewer", &["mt-core", "operators", "selective", "render", "papers"]),
+    (".", &["mt-core", "operators", "selective", "render", "papers", "viewer"]),
 ];
 
 /// The three between the core and the papers, which know the core and not each other.
@@ -288,7 +289,9 @@ fn imports_below(folder: &str, manifest: &str) -> Vec<String> {
 
 /// Rule: a source of `operators`, `selective` or `render` names neither of the other two, nor what is above.
 fn siblings_unnamed(source: &Source) -> Vec<String> {
-    let Some((home, _)) = source.path.split_once('/').filter(|(home, _)| SIBLINGS.contains(home)) else {
+    // The window has a room in the renderer's folder, but stands above all of them.
+    let is_sibling = |(home, rest): &(&str, &str)| SIBLINGS.contains(home) && !rest.starts_with("viewer/");
+    let Some((home, _)) = source.path.split_once('/').filter(is_sibling) else {
         return Vec::new();
     };
     let others = SIBLINGS.iter().chain(&["papers"]).filter(|other| **other != home);

@@ -46,10 +46,16 @@ impl Ask {
             CriterionKind::Uniform | CriterionKind::Features | CriterionKind::Visual => share,
             CriterionKind::Region => format!("{share} within {:.1} %", 200.0 * self.region_share),
             CriterionKind::Budget => format!("{} triangles", self.cells),
-            _ => format!("{} px", self.error_px),
+            _ => format!("{} px", short(self.error_px)),
         };
         format!("{} {how}, {}", self.criterion, self.strategy)
     }
+}
+
+/// Three digits after the point at most.
+fn short(value: f32) -> String {
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// What of an input criteria need to know. Made once.

@@ -4,6 +4,7 @@ use crate::ask::{Ask, Asked, Extent};
 use crate::play::{Picked, Play};
 use mt_core::Camera;
 use papers::study::DependencyKind;
+use render::Scene;
 use selective::Outcome;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -69,6 +70,17 @@ pub struct Pane {
     pub is_fresh: bool,
     /// What the mesh was last made for; nothing where it has to be made anew.
     made_for: Option<(Ask, Camera)>,
+    /// Goes up whenever the mesh changes.
+    version: u64,
+    pieces: Option<Pieces>,
+}
+
+/// The dual pieces of one mesh of a pane.
+pub struct Pieces {
+    /// The version of the mesh that they are of.
+    pub version: u64,
+    /// Their triangles and lines; nothing where the model has no pieces.
+    pub scene: Option<Scene>,
 }
 
 impl Pane {
@@ -83,7 +95,18 @@ impl Pane {
             picked: None,
             is_fresh: true,
             made_for: None,
+            version: 0,
+            pieces: None,
         }
+    }
+
+    /// The dual pieces of the mesh as it is, found once for each mesh. O(input).
+    pub fn pieces(&mut self) -> &Pieces {
+        let Self { play, version, pieces, .. } = self;
+        if pieces.as_ref().is_none_or(|pieces| pieces.version != *version) {
+            *pieces = None;
+        }
+        pieces.get_or_insert_with(|| Pieces { version: *version, scene: play.pieces() })
     }
 
     /// What was chosen, whether it is there already or not.
@@ -124,6 +147,7 @@ impl Pane {
         self.waiting = None;
         (self.play, self.choice) = (heard?, choice);
         (self.is_fresh, self.made_for, self.picked) = (true, None, None);
+        self.version += 1;
         Ok(())
     }
 
@@ -140,6 +164,7 @@ impl Pane {
         let outcome = self.play.adapt(asked);
         // A budget that is used up is not complete and never will be.
         let complete = outcome.complete || outcome.refined + outcome.coarsened == 0;
+        self.version += u64::from(outcome.refined + outcome.coarsened > 0);
         let triangles = self.play.places().triangle_count() as u32;
         self.facts = FrameFacts { outcome: Outcome { complete, ..outcome }, adapt: begun.elapsed(), triangles };
         self.made_for = Some((*ask, *camera));
@@ -169,5 +194,6 @@ impl Pane {
         self.facts.triangles = self.play.places().triangle_count() as u32;
         self.picked = None;
         self.made_for = None;
+        self.version += 1;
     }
 }

@@ -5,7 +5,7 @@ use crate::pane::Choice;
 use crate::pilot::Flight;
 use crate::play::{NodeFacts, Picked};
 use crate::viewer::Viewer;
-use eframe::egui::{ComboBox, Grid, Response, ScrollArea, Slider, SliderClamping, Ui, Window};
+use eframe::egui::{Align2, ComboBox, Grid, Response, ScrollArea, Slider, SliderClamping, Ui, Window};
 use papers::study::{CriterionKind, DependencyKind, StrategyKind};
 use render::Tint;
 
@@ -212,14 +212,19 @@ fn node(ui: &mut Ui, label: &str, facts: Option<&NodeFacts>, none: &str) {
 /// The keys, as a window of its own.
 pub fn help(ui: &mut Ui, viewer: &mut Viewer) {
     let mut open = viewer.is_help_shown;
-    Window::new("Keys").open(&mut open).default_width(420.0).show(ui.ctx(), |ui| {
-        ScrollArea::vertical().max_height(560.0).show(ui, |ui| {
-            Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
-                let bound = BINDINGS.iter().map(|binding| (written(binding), binding.told.to_owned()));
-                let held = HELD.iter().map(|(keys, told)| ((*keys).to_owned(), (*told).to_owned()));
-                for (keys, told) in held.chain(bound) {
-                    ui.monospace(keys);
-                    ui.label(told);
+    let bound = BINDINGS.iter().map(|binding| (written(binding), binding.told.to_owned()));
+    let held = HELD.iter().map(|(keys, told)| ((*keys).to_owned(), (*told).to_owned()));
+    let all: Vec<(String, String)> = held.chain(bound).collect();
+    let window = Window::new("Keys").open(&mut open).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).resizable(false);
+    window.show(ui.ctx(), |ui| {
+        ScrollArea::vertical().max_height(600.0).show(ui, |ui| {
+            Grid::new("keys").num_columns(4).striped(true).show(ui, |ui| {
+                let half = all.len().div_ceil(2);
+                for row in 0..half {
+                    for (keys, told) in [all.get(row), all.get(half + row)].into_iter().flatten() {
+                        ui.monospace(keys);
+                        ui.label(told);
+                    }
                     ui.end_row();
                 }
             });

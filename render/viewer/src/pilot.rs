@@ -5,6 +5,8 @@ use mt_core::Camera;
 
 /// The least and the largest share of the model's radius between eye and target.
 const DISTANCES: [f32; 2] = [1e-4, 50.0];
+/// Lengths whose squares are numbers still.
+const SMALLEST: f32 = 1e-15;
 /// Looking straight up or down has no upwards: the cosine is kept below this.
 const STEEPEST: f32 = 0.9995;
 
@@ -31,11 +33,18 @@ pub struct Pilot {
 }
 
 impl Pilot {
-    /// Sees the box `low..high` whole.
+    /// Sees the box `low..high` whole; of a model without extent its surroundings.
     pub fn around(low: Vec3, high: Vec3) -> Self {
-        let radius = ((high - low).length() * 0.5).max(f32::MIN_POSITIVE * 1e6);
+        let center = low * 0.5 + high * 0.5;
+        let center = if center.is_finite() { center } else { Vec3::ZERO };
+        // What is smaller than this beside its place has no directions in it.
+        let least = (center.abs().max_element() * 1e-5).max(SMALLEST);
+        let radius = (high * 0.5 - low * 0.5).length();
+        let radius = if radius.is_finite() { radius.max(least) } else { least };
+        let half = Vec3::splat(radius / 3f32.sqrt());
+        let (low, high) = (center - half, center + half);
         let camera = Camera::around(low, high, Vec3::new(0.6, 0.5, 1.0));
-        Self { camera, flight: Flight::Orbit, center: (low + high) * 0.5, radius, low, high }
+        Self { camera, flight: Flight::Orbit, center, radius, low, high }
     }
 
     /// The camera, for a picture of this size.
@@ -164,7 +173,9 @@ mod tests {
         (0..1000).for_each(|_| pilot.slide(Vec3::Z));
         assert!(eye(&pilot).length() < 1e4);
         // A model without extent.
-        for (low, high) in [(Vec3::ZERO, Vec3::ZERO), (Vec3::splat(5.0), Vec3::splat(5.0))] {
+        for (low, high) in
+            [(Vec3::ZERO, Vec3::ZERO), (Vec3::splat(5.0), Vec3::splat(5.0)), (Vec3::INFINITY, Vec3::NEG_INFINITY)]
+        {
             assert_eq!(Pilot::around(low, high).camera([64, 64]).check(), Ok(()));
         }
     }

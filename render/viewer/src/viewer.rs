@@ -162,19 +162,24 @@ impl Viewer {
         }
     }
 
-    /// Colours the triangles of a pane, and gives what else is drawn of it as `camera` sees it; with its triangles where they
-    /// are not those of the view.
+    /// Colours the triangles of a pane, and gives what else is drawn of it as `camera` sees it. Dual pieces are for
+    /// [`Pane::pieces`] to tell, but for their lines.
     pub fn scene(&mut self, pane: usize, camera: &Camera) -> Scene {
         let eye = self.frozen.unwrap_or(*camera);
         let (shown, frozen) = (self.shown, self.frozen);
         let subject = &self.subjects[self.panes[pane].model];
         let asked = self.ask.of(&subject.extent, &eye, eye.eye);
-        let Pane { play, picked, .. } = &mut self.panes[pane];
+        let pane = &mut self.panes[pane];
+        let lines = if shown.pieces { pane.pieces().scene.as_ref().map(|pieces| pieces.marks.clone()) } else { None };
+        let Pane { play, picked, .. } = pane;
         let nothing = HashSet::new();
         let marked = picked.as_ref().map_or(&nothing, |picked| &picked.replaced);
         let legend = play.tint(shown.tint, &asked, marked);
-        let pieces = if shown.pieces { play.pieces() } else { None };
-        let mut scene = pieces.unwrap_or_else(|| plain_scene(play.places().origin(), shown.wire, legend));
+        // Pieces have a colour of their own, and their triangles are no cells.
+        let wire = shown.wire && lines.is_none();
+        let legend = legend.filter(|_| lines.is_none());
+        let mut scene = plain_scene(play.places().origin(), wire, legend);
+        scene.marks = lines.unwrap_or_default();
         if shown.edges || shown.outline {
             let cells: Vec<Cell<3>> = play.places().triangles().map(|(placed, _)| placed.corners).collect();
             if shown.outline {

@@ -5,7 +5,7 @@ use crate::saved::{self, File, Save};
 use crate::viewer::{Record, Viewer};
 use crate::{graph, panels};
 use eframe::egui::{
-    self, Align2, Color32, FontId, Frame, Key, Panel, PointerButton, Pos2, Rect, Response, Sense, TextureId, Ui, vec2,
+    self, Color32, FontId, Frame, Key, Panel, PointerButton, Pos2, Rect, Response, Sense, TextureId, Ui, vec2,
 };
 use eframe::egui_wgpu::RenderState;
 use glam::{Vec2, Vec3};
@@ -54,6 +54,14 @@ struct Screen {
     stage: Stage,
     /// The textures that the window knows.
     shown: [Option<(wgpu::Texture, TextureId)>; 2],
+    /// The version of the pieces that are on the device.
+    pieces: Option<u64>,
+}
+
+impl Screen {
+    fn new(stage: Stage) -> Self {
+        Self { stage, shown: [None, None], pieces: None }
+    }
 }
 
 /// A viewer in a window.
@@ -95,7 +103,7 @@ impl App {
             held: Some(held),
             shelf: Rc::clone(shelf),
             state,
-            screens: vec![Screen { stage, shown: [None, None] }],
+            screens: vec![Screen::new(stage)],
             watched: watched.clone(),
             shots: channel(),
             last: Instant::now(),
@@ -109,7 +117,7 @@ impl App {
     fn set_screens(&mut self, count: usize) {
         while self.screens.len() < count {
             let stage = self.screens[0].stage.beside();
-            self.screens.push(Screen { stage, shown: [None, None] });
+            self.screens.push(Screen::new(stage));
         }
         while self.screens.len() > count {
             let Some(screen) = self.screens.pop() else { break };
@@ -192,9 +200,9 @@ impl App {
         let viewer = &mut held.viewer;
         let (active, camera) = (viewer.active, viewer.camera(self.size));
         let scene = viewer.scene(active, &camera);
-        let stage = &mut self.screens[active].stage;
-        let sent = send(stage, viewer, active, &scene);
-        let picture = sent.and_then(|_| stage.paint(&scene, &camera)).map_err(|error| error.to_string())?;
+        let screen = &mut self.screens[active];
+        let sent = send(screen, viewer, active);
+        let picture = sent.and_then(|_| screen.stage.paint(&scene, &camera)).map_err(|error| error.to_string())?;
         Ok(saved::picture(viewer, &viewer.panes[active], &camera, picture.to_png()))
     }
 
@@ -215,8 +223,9 @@ impl App {
         let viewer = &mut held.viewer;
         let camera = viewer.camera(self.size);
         let scene = viewer.scene(pane, &camera);
-        let Screen { stage, shown } = &mut self.screens[pane];
-        let sent = send(stage, viewer, pane, &scene)?;
+        let screen = &mut self.screens[pane];
+        let sent = send(screen, viewer, pane)?;
+        let Screen { stage, shown, .. } = screen;
         let id = known(&self.state, stage.show(&scene, &camera, MAIN)?, &mut shown[MAIN]);
         let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
         ui.painter().image(id, area, whole, Color32::WHITE);
@@ -276,7 +285,10 @@ impl App {
         let at = area.left_top() + vec2(10.0, 8.0);
         let active = viewer.panes.len() == 2 && pane == viewer.active;
         let colour = if active { Color32::from_rgb(170, 60, 20) } else { Color32::from_gray(60) };
-        ui.painter().text(at, Align2::LEFT_TOP, text, FontId::proportional(13.0), colour);
+        let galley = ui.painter().layout_no_wrap(text, FontId::proportional(13.0), colour);
+        let behind = Rect::from_min_size(at, galley.size()).expand2(vec2(6.0, 3.0));
+        ui.painter().rect_filled(behind, 4.0, Color32::from_white_alpha(190));
+        ui.painter().galley(at, galley, colour);
     }
 
     /// The camera by mouse and by keys that are held.
@@ -314,13 +326,15 @@ impl App {
         let busy = ui.memory(|memory| memory.focused().is_some());
         let pilot = &mut held.viewer.pilot;
         let (time, down) = ui.input(|input| {
-            let down = |key| f32::from(input.key_down(key) && !input.modifiers.any());
+            // Between two slow frames a key may be pressed and let go.
+            let is_down = |key| input.key_down(key) || input.key_pressed(key);
+            let down = |key| f32::from(is_down(key) && !input.modifiers.any());
             let letters = [Key::D, Key::A, Key::E, Key::Q, Key::W, Key::S].map(down);
             // A widget that has the focus takes the arrows.
             let arrows = [Key::ArrowRight, Key::ArrowLeft, Key::ArrowDown, Key::ArrowUp];
             let arrows = arrows.map(|key| if busy { 0.0 } else { down(key) });
-            let zoom = [Key::Minus, Key::Plus].map(|key| f32::from(input.key_down(key) && !input.modifiers.command));
-            let equals = f32::from(input.key_down(Key::Equals) && !input.modifiers.command);
+            let zoom = [Key::Minus, Key::Plus].map(|key| f32::from(is_down(key) && !input.modifiers.command));
+            let equals = f32::from(is_down(Key::Equals) && !input.modifiers.command);
             (input.stable_dt.min(0.1), (letters, arrows, zoom[0] - zoom[1].max(equals)))
         });
         let (letters, arrows, zoom) = down;
@@ -403,18 +417,28 @@ fn held_count(held: &Option<Box<Held>>) -> usize {
     held.as_ref().map_or(1, |held| held.viewer.panes.len())
 }
 
-/// Sends what changed of a pane, and its own triangles where a scene has some.
-fn send(stage: &mut Stage, viewer: &mut Viewer, pane: usize, scene: &Scene) -> Result<Uploaded, RenderError> {
+/// Sends what changed of a pane, and its dual pieces where they are shown and are others than before.
+fn send(screen: &mut Screen, viewer: &mut Viewer, pane: usize) -> Result<Uploaded, RenderError> {
+    let shows_pieces = viewer.shown.pieces;
     let pane = &mut viewer.panes[pane];
+    let stage = &mut screen.stage;
     if std::mem::take(&mut pane.is_fresh) {
         stage.clear();
+        screen.pieces = None;
     }
     let mut sent = stage.update(pane.play.places_mut())?;
-    if scene.corners.is_empty() {
-        stage.show_view();
-    } else {
-        stage.show_instead(&scene.corners)?;
-        sent.bytes += size_of_val(scene.corners.as_slice()) as u64;
+    let pieces = if shows_pieces { Some(pane.pieces()) } else { None };
+    match pieces.and_then(|pieces| Some((pieces.version, pieces.scene.as_ref()?))) {
+        None => {
+            stage.show_view();
+            screen.pieces = None;
+        }
+        Some((version, _)) if screen.pieces == Some(version) => {}
+        Some((version, scene)) => {
+            stage.show_instead(&scene.corners)?;
+            screen.pieces = Some(version);
+            sent.bytes += size_of_val(scene.corners.as_slice()) as u64;
+        }
     }
     Ok(sent)
 }
