@@ -1,6 +1,7 @@
 //! The window: input to actions, frames to textures, pictures to files.
 
 use crate::keys::{Action, BINDINGS};
+use crate::pilot::Flight;
 use crate::saved::{self, File, Save};
 use crate::viewer::{Record, Viewer};
 use crate::{graph, panels};
@@ -344,6 +345,8 @@ impl App {
             pilot.slide(way * (0.6 * time));
         }
         if turn != Vec2::ZERO {
+            // In flight arrows turn the head; in orbit they move the camera, which is what a drag the other way does.
+            let turn = if pilot.flight == Flight::Orbit { -turn } else { turn };
             pilot.turn(turn * (1.2 * time));
         }
         if zoom != 0.0 {
