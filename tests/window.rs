@@ -24,7 +24,7 @@ impl Display {
     fn start() -> Option<Self> {
         let made = Self::try_start();
         if let Err(why) = &made {
-            assert!(!std::env::var_os("MT_REQUIRE_GPU").is_some_and(|value| value == "1"), "no display: {why}");
+            assert!(std::env::var_os("MT_REQUIRE_GPU").is_none_or(|value| value != "1"), "no display: {why}");
             println!("skipped: no display to test the window on: {why}");
         }
         made.ok()

@@ -9,6 +9,7 @@ use crate::subject::is_mesh;
 use clap::Args;
 use glam::Vec3;
 use mt_core::format::LoadOptions;
+use mt_core::log::Log;
 use mt_core::{Explicit, Mesh, Replay};
 use operators::AnyOperator;
 use operators::order::Scheme;
@@ -37,6 +38,9 @@ pub struct View {
     /// A camera path to follow: a JSON list of cameras, as studies and movies take it
     #[arg(long, value_name = "FILE.json")]
     cameras: Option<PathBuf>,
+    /// A log to walk along, as `mtess bisect` and `mtess verify` write it; it begins at its first step
+    #[arg(long, value_name = "FILE.log")]
+    log: Option<PathBuf>,
     /// Largest error on the screen, in pixels
     #[arg(long, value_name = "PX", default_value_t = 1.0)]
     pixels: f32,
@@ -68,6 +72,13 @@ impl View {
                 let choice = Choice { dependency, ..source.came.clone() };
                 let play = source.view(&choice)?;
                 panes.push(Pane::new(i, choice, play));
+            }
+        }
+        if let Some(path) = &self.log {
+            let wrong = |error| FileError::new(path, error);
+            let log = Log::read(files::open_lines(path)?).map_err(wrong)?;
+            for pane in &mut panes {
+                pane.take_log(log.clone()).map_err(wrong)?;
             }
         }
         let subjects = sources.iter().map(Source::subject).collect();

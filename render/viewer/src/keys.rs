@@ -49,6 +49,8 @@ pub enum Action {
     FrameBack,
     /// One frame forward.
     FrameForward,
+    /// Plays the log, frame after frame, or stops.
+    PlayLog,
     /// Back to the present.
     Now,
     /// Records the camera, or stops.
@@ -88,7 +90,7 @@ const fn bind(key: Key, shift: bool, action: Action, told: &'static str) -> Bind
 }
 
 /// All bindings, in the order of the help.
-pub const BINDINGS: [Binding; 32] = [
+pub const BINDINGS: [Binding; 33] = [
     bind(Key::H, false, Action::Help, "this help (also ?)"),
     bind(Key::F, false, Action::Freeze, "freeze the front and leave it, or come back"),
     bind(Key::G, false, Action::Flight, "orbit or fly"),
@@ -111,6 +113,7 @@ pub const BINDINGS: [Binding; 32] = [
     bind(Key::Period, false, Action::StepForward, "one modification forward"),
     bind(Key::PageUp, false, Action::FrameBack, "one frame back"),
     bind(Key::PageDown, false, Action::FrameForward, "one frame forward"),
+    bind(Key::J, false, Action::PlayLog, "play the log, frame after frame, or stop"),
     bind(Key::Enter, false, Action::Now, "back to the present"),
     bind(Key::R, false, Action::Record, "record the camera's path, or stop"),
     bind(Key::Space, false, Action::Play, "follow the path, or stop"),

@@ -3,6 +3,7 @@
 use crate::ask::{Ask, Asked, Extent};
 use crate::play::{Picked, Play};
 use mt_core::Camera;
+use mt_core::log::{Log, LogError};
 use papers::study::DependencyKind;
 use render::Scene;
 use selective::Outcome;
@@ -66,6 +67,8 @@ pub struct Pane {
     pub facts: FrameFacts,
     /// What was pointed at.
     pub picked: Option<Picked>,
+    /// Whether the mesh is held somewhere in its log, instead of following the eye.
+    pub is_held: bool,
     /// Whether the view is another one than in the last frame.
     pub is_fresh: bool,
     /// What the mesh was last made for; nothing where it has to be made anew.
@@ -93,6 +96,7 @@ impl Pane {
             waiting: None,
             facts: FrameFacts::default(),
             picked: None,
+            is_held: false,
             is_fresh: true,
             made_for: None,
             version: 0,
@@ -146,16 +150,16 @@ impl Pane {
         let choice = waiting.choice.clone();
         self.waiting = None;
         (self.play, self.choice) = (heard?, choice);
-        (self.is_fresh, self.made_for, self.picked) = (true, None, None);
+        (self.is_fresh, self.is_held, self.made_for, self.picked) = (true, false, None, None);
         self.version += 1;
         Ok(())
     }
 
-    /// Brings the mesh to what is asked, unless it is there or in the past; whether anything was done.
+    /// Brings the mesh to what is asked, unless it is there or held; whether anything was done.
     pub fn adapt(&mut self, ask: &Ask, asked: &Asked, camera: &Camera) -> bool {
         // A moving camera asks for less than one at rest, and what ran out of time goes on.
         let is_still = self.made_for == Some((*ask, *camera)) && self.facts.outcome.complete;
-        if self.play.is_past() || is_still {
+        if self.is_held || is_still {
             self.facts.adapt = Duration::ZERO;
             self.facts.outcome = Outcome { complete: true, ..Outcome::default() };
             return false;
@@ -188,9 +192,23 @@ impl Pane {
         self.seek(to);
     }
 
-    /// Goes to where so many steps of the log are taken.
+    /// Goes to the end of the log, and on with the eye.
+    pub fn go_on(&mut self) {
+        self.seek(usize::MAX);
+        self.is_held = false;
+    }
+
+    /// Takes another log for its own, and is held at its beginning.
+    pub fn take_log(&mut self, log: Log) -> Result<(), LogError> {
+        self.play.take_log(log)?;
+        self.seek(0);
+        Ok(())
+    }
+
+    /// Goes to where so many steps of the log are taken, and is held there.
     pub fn seek(&mut self, at: usize) {
         self.play.seek(at);
+        self.is_held = true;
         self.facts.triangles = self.play.places().triangle_count() as u32;
         self.picked = None;
         self.made_for = None;

@@ -160,8 +160,8 @@ fn time(ui: &mut Ui, viewer: &mut Viewer, pressed: &mut Vec<Action>) {
         button(ui, "<", Action::StepBack, pressed);
         button(ui, ">", Action::StepForward, pressed);
         button(ui, ">|", Action::FrameForward, pressed);
+        button(ui, if viewer.is_log_played { "Pause" } else { "Play" }, Action::PlayLog, pressed);
         button(ui, "Now", Action::Now, pressed);
-        button(ui, "Save log", Action::SaveLog, pressed);
     });
     let pane = &mut viewer.panes[viewer.active];
     let (mut at, count) = (pane.play.at(), pane.play.log().steps.len());
@@ -169,11 +169,12 @@ fn time(ui: &mut Ui, viewer: &mut Viewer, pressed: &mut Vec<Action>) {
     if ui.add(slider).changed() {
         pane.seek(at);
     }
-    let past = if pane.play.is_past() { "in the past; Now (Enter) comes back" } else { "in the present" };
+    let past = if pane.is_held { "held in time; Now (Enter) goes on" } else { "in the present" };
     ui.weak(past);
     ui.horizontal(|ui| {
         button(ui, "Save picture", Action::SavePicture, pressed);
-        button(ui, "Save window", Action::SaveWindow, pressed);
+        button(ui, "Window", Action::SaveWindow, pressed);
+        button(ui, "Log", Action::SaveLog, pressed);
     });
 }
 

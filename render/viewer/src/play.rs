@@ -3,7 +3,7 @@
 use crate::ask::Asked;
 use glam::Vec3;
 use mt_core::hierarchy::Dependency;
-use mt_core::log::Log;
+use mt_core::log::{Log, LogError};
 use mt_core::model::mesh_of;
 use mt_core::{Bound, Cell, CellId, Hierarchy, Mesh, MultiTessellation, NodeId, Rule, Sink, Step, VertexId};
 use operators::order::Visit;
@@ -26,6 +26,8 @@ pub trait Play: Send {
     fn log(&self) -> &Log;
     /// Whether the log begins at the base mesh still; long ones lose their beginning.
     fn is_log_whole(&self) -> bool;
+    /// Takes another log for its own, and goes to its beginning. Refused is what the model cannot follow.
+    fn take_log(&mut self, log: Log) -> Result<(), LogError>;
     /// How many steps of the log are taken.
     fn at(&self) -> usize;
     /// Goes to where so many are, forward or back. O(steps in between).
@@ -267,6 +269,18 @@ impl<M: Inspect + Send + Sync> Play for Player<M> {
 
     fn is_log_whole(&self) -> bool {
         self.is_log_whole
+    }
+
+    fn take_log(&mut self, log: Log) -> Result<(), LogError> {
+        log.follow(&*self.model)?;
+        // Down to the base mesh, where logs begin: any front goes away in the order of the analysis.
+        let front = self.state.view.front.clone();
+        self.state.steps.clear();
+        front.finest_first().for_each(|m| self.state.take(&*self.model, Step::coarsen(m)));
+        self.state.steps.clear();
+        self.last.clear();
+        (self.log, self.at, self.is_log_whole) = (log, 0, true);
+        Ok(())
     }
 
     fn at(&self) -> usize {

@@ -69,7 +69,7 @@ pub fn picture(viewer: &Viewer, pane: &Pane, camera: &Camera, png: Vec<u8>) -> V
 fn command(viewer: &Viewer, pane: &Pane) -> Option<String> {
     let ask = &viewer.ask;
     let memoryless = matches!(ask.strategy, StrategyKind::Incremental | StrategyKind::TopDown | StrategyKind::Priority);
-    if ask.criterion != CriterionKind::Screen || !memoryless || pane.play.is_past() {
+    if ask.criterion != CriterionKind::Screen || !memoryless || pane.is_held {
         return None;
     }
     let subject = viewer.subject(pane);

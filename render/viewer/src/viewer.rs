@@ -66,6 +66,8 @@ pub struct Viewer {
     pub path: Vec<Camera>,
     /// Where on the path the camera is, while it follows it.
     pub following: Option<usize>,
+    /// Whether the log is played.
+    pub is_log_played: bool,
     /// Whether the path is being recorded.
     pub is_recording: bool,
     /// The last frames.
@@ -97,6 +99,7 @@ impl Viewer {
             shown: Shown::default(),
             path,
             following: None,
+            is_log_played: false,
             is_recording: false,
             records: VecDeque::new(),
             message: String::new(),
@@ -119,6 +122,10 @@ impl Viewer {
             }
         }
         self.follow();
+        if self.is_log_played {
+            self.panes.iter_mut().for_each(|pane| pane.frame(true));
+            self.is_log_played = self.panes.iter().any(|pane| pane.play.is_past());
+        }
         let camera = self.camera(size);
         if self.is_recording {
             self.path.push(camera);
@@ -237,7 +244,8 @@ impl Viewer {
             Action::StepForward => self.panes.iter_mut().for_each(|pane| pane.step(1)),
             Action::FrameBack => self.panes.iter_mut().for_each(|pane| pane.frame(false)),
             Action::FrameForward => self.panes.iter_mut().for_each(|pane| pane.frame(true)),
-            Action::Now => self.panes.iter_mut().for_each(|pane| pane.seek(usize::MAX)),
+            Action::PlayLog => self.play_log(),
+            Action::Now => self.panes.iter_mut().for_each(Pane::go_on),
             Action::Record => self.record(),
             Action::Play => self.play(),
             Action::Unpick => self.panes.iter_mut().for_each(|pane| pane.picked = None),
@@ -318,6 +326,14 @@ impl Viewer {
         }
     }
 
+    /// From where the panes are, or from the beginning where all are at the end.
+    fn play_log(&mut self) {
+        self.is_log_played ^= true;
+        if self.is_log_played && self.panes.iter().all(|pane| !pane.play.is_past()) {
+            self.panes.iter_mut().for_each(|pane| pane.seek(0));
+        }
+    }
+
     fn play(&mut self) {
         self.is_recording = false;
         self.following = match self.following {
@@ -334,6 +350,7 @@ impl Viewer {
     pub fn is_moving(&self) -> bool {
         self.following.is_some()
             || self.is_recording
+            || self.is_log_played
             || self.panes.iter().any(|pane| pane.waits().is_some() || !pane.facts.outcome.complete)
     }
 

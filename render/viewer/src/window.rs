@@ -275,8 +275,8 @@ impl App {
         let shown = &viewer.panes[pane];
         let subject = viewer.subject(shown);
         let operator = shown.choice.operator.as_ref().unwrap_or(&subject.made_by);
-        let state = match (viewer.frozen, shown.play.is_past(), viewer.is_recording) {
-            (_, true, _) => "  past",
+        let state = match (viewer.frozen, shown.is_held, viewer.is_recording) {
+            (_, true, _) => "  held in time",
             (Some(_), ..) => "  frozen",
             (.., true) => "  recording",
             _ => "",
