@@ -1,12 +1,10 @@
-//! Edges that say something of a mesh: boundaries, edges of more than two triangles, the outline for an eye; and colours by
-//! normals.
+//! Edges that say something of a mesh: boundaries, edges of more than two triangles, the outline for an eye.
 
 use crate::ramp::Rgba;
 use crate::scene::{Scene, Segment};
-use crate::tint::normal_colour;
 use glam::Vec3;
 use mt_core::mesh::area_vector;
-use mt_core::{Cell, Mesh, VertexId};
+use mt_core::{Cell, VertexId};
 use std::collections::HashSet;
 
 /// What edges are drawn, and in which colours.
@@ -65,15 +63,11 @@ fn style(positions: &[Vec3], cells: &[Cell<3>], run: &[([VertexId; 2], u32)], wh
     }
 }
 
-/// A colour for each cell by its normal: the three coordinates as red, green and blue.
-pub fn normal_colours(mesh: &Mesh<3>) -> Vec<Rgba> {
-    mesh.cells.iter().map(|cell| normal_colour(cell.map(|v| mesh.positions[v.index()]))).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{Look, encode};
+    use mt_core::Mesh;
     use mt_core::generate::{cylinder, fan3, sphere};
 
     fn count(mesh: &Mesh<3>, which: Edges<'_>) -> usize {

@@ -34,9 +34,6 @@ pub(crate) struct Canvas {
     depth: wgpu::TextureView,
     resolved: wgpu::Texture,
     size: wgpu::Extent3d,
-    /// Bytes of a row in the buffer that is read back.
-    row: u32,
-    bytes: wgpu::Buffer,
 }
 
 impl Canvas {
@@ -58,12 +55,13 @@ impl Gpu {
     /// The first adapter that offers itself, hardware before software.
     pub(crate) fn open() -> Result<Self, RenderError> {
         let adapter = adapter()?;
-        let (device, queue) = pollster::block_on(adapter.request_device(&Self::wish(&adapter))).map_err(no_gpu)?;
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&Self::device_descriptor(&adapter))).map_err(no_gpu)?;
         Self::on(&adapter.get_info(), device, queue)
     }
 
     /// The device that is asked for: buffers and pictures as large as the adapter takes.
-    pub(crate) fn wish(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+    pub(crate) fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
         let offered = adapter.limits();
         let limits = wgpu::Limits {
             max_buffer_size: offered.max_buffer_size,
@@ -137,7 +135,11 @@ impl Gpu {
             if size <= limit { Ok(()) } else { Err(RenderError::TooLarge { what, size, limit }) }
         };
         within("a side of the picture, in pixels,", width.max(height), u64::from(limits.max_texture_dimension_2d))?;
-        within("the picture read back, in bytes,", u64::from(padded_row(camera)) * height, limits.max_buffer_size)?;
+        within(
+            "the picture read back, in bytes,",
+            u64::from(padded_row(camera.width_px)) * height,
+            limits.max_buffer_size,
+        )?;
         within("the samples of the picture, in bytes,", width * height * 8 * SAMPLES as u64, SAMPLES_MAX)
     }
 
@@ -156,20 +158,11 @@ impl Gpu {
             })
         };
         let target = wgpu::TextureUsages::RENDER_ATTACHMENT;
-        let row = padded_row(camera);
-        let bytes = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: u64::from(row) * u64::from(size.height),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
         Canvas {
             samples: texture(COLOUR, SAMPLES as u32, target).create_view(&Default::default()),
             depth: texture(DEPTH, SAMPLES as u32, target).create_view(&Default::default()),
             resolved: texture(COLOUR, 1, target | wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING),
             size,
-            row,
-            bytes,
         }
     }
 
@@ -201,16 +194,24 @@ impl Gpu {
         buffer
     }
 
-    /// From the picture into the buffer that can be read.
-    fn copy(&self, canvas: &Canvas) {
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(canvas.row), rows_per_image: None };
+    /// The picture in a buffer that can be read, and the bytes of a row there.
+    fn copy(&self, canvas: &Canvas) -> (wgpu::Buffer, u32) {
+        let row = padded_row(canvas.size.width);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: u64::from(row) * u64::from(canvas.size.height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
         let mut encoder = self.device.create_command_encoder(&Default::default());
         encoder.copy_texture_to_buffer(
             canvas.resolved.as_image_copy(),
-            wgpu::TexelCopyBufferInfo { buffer: &canvas.bytes, layout },
+            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
             canvas.size,
         );
         self.queue.submit([encoder.finish()]);
+        (buffer, row)
     }
 
     /// Vertices as buffers within the device's limits, cut between triangles, with the count in each.
@@ -255,32 +256,26 @@ impl Gpu {
 
     /// Waits for the picture and drops the padding of its rows.
     pub(crate) fn read(&self, canvas: &Canvas) -> Result<Picture, RenderError> {
-        guarded(&self.device, || {
-            self.copy(canvas);
-            Ok(())
-        })?;
+        let (buffer, padded) = guarded(&self.device, || Ok(self.copy(canvas)))?;
         let (tell, told) = std::sync::mpsc::channel();
         // The receiver is gone only if we gave up waiting, and then nobody asks.
-        canvas.bytes.map_async(wgpu::MapMode::Read, .., move |result| drop(tell.send(result)));
+        buffer.map_async(wgpu::MapMode::Read, .., move |result| drop(tell.send(result)));
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(failed)?;
         told.recv().map_err(failed)?.map_err(failed)?;
-        let mapped = canvas.bytes.get_mapped_range(..).map_err(failed)?;
+        let mapped = buffer.get_mapped_range(..).map_err(failed)?;
         let (width, height) = (canvas.size.width, canvas.size.height);
         let row = 4 * width as usize;
         let mut rgba = Vec::with_capacity(row * height as usize);
-        for padded in mapped.chunks_exact(canvas.row as usize) {
+        for padded in mapped.chunks_exact(padded as usize) {
             rgba.extend_from_slice(&padded[..row]);
         }
-        // A canvas is painted on again.
-        drop(mapped);
-        canvas.bytes.unmap();
         Ok(Picture { width, height, rgba })
     }
 }
 
 /// Rows of copied textures start at multiples of 256 bytes.
-fn padded_row(camera: &Camera) -> u32 {
-    (4 * camera.width_px).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
+fn padded_row(width: u32) -> u32 {
+    (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
 }
 
 /// Runs `work` and turns what the device reports meanwhile, which would panic otherwise, into an error.

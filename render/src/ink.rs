@@ -34,10 +34,11 @@ const TEXT: Rgba = [52, 56, 62, 255];
 impl Ink {
     pub(crate) fn new(scene: &Scene, camera: &Camera, globals: &Globals) -> Self {
         let size = Vec2::new(camera.width_px as f32, camera.height_px as f32);
-        let mut under = Pen { size, corners: Vec::new() };
+        let below = camera.near / (camera.far - camera.near);
+        let mut under = Pen { size, below, corners: Vec::new() };
         let [top, bottom] = scene.background;
         under.quad(Vec2::ZERO, size, 0.0, top, bottom);
-        let mut over = Pen { size, corners: Vec::new() };
+        let mut over = Pen { size, below, corners: Vec::new() };
         let mut stroke = |segments: &[Segment], how| {
             segments.iter().for_each(|segment| over.stroke(segment, globals, scale(camera), how));
         };
@@ -62,16 +63,17 @@ enum How {
     Lifted,
 }
 
-/// The share of its distance from the eye that a line is lifted by.
+/// The share of its distance from the eye that a line is brought nearer by.
 const LIFT: f32 = 0.003;
 
 impl How {
-    fn depth(self, depth: f32) -> f32 {
+    /// A depth is a / z - b at a distance z, where b is near / (far - near): so `below`, which is b, says what another distance
+    /// comes to.
+    fn depth(self, depth: f32, below: f32) -> f32 {
         match self {
             How::Trace => 1.0,
             How::Placed => depth,
-            // Depth is nearly proportional to the nearness.
-            How::Lifted => depth * (1.0 + LIFT),
+            How::Lifted => depth + (depth + below) * (LIFT / (1.0 - LIFT)),
         }
     }
 }
@@ -79,6 +81,8 @@ impl How {
 /// Draws in pixels from the upper left corner; collects triangles.
 struct Pen {
     size: Vec2,
+    /// Near / (far - near) of the camera.
+    below: f32,
     corners: Vec<InkCorner>,
 }
 
@@ -117,13 +121,14 @@ impl Pen {
         if how == How::Trace {
             colour[3] = TRACE;
         }
+        let below = self.below;
         let rim = |i: usize| {
             // The first half circle goes round `to`, the second round `from`.
             let around_to = i <= CAP_STEPS;
             let step = if around_to { i } else { i - 1 } as f32 / CAP_STEPS as f32;
             let turned = Vec2::from_angle((step - 0.5) * std::f32::consts::PI).rotate(along) * radius;
             let (center, depth) = if around_to { (to, to_depth) } else { (from, from_depth) };
-            (center + turned, how.depth(depth).min(1.0))
+            (center + turned, how.depth(depth, below).min(1.0))
         };
         for i in 1..2 * CAP_STEPS + 1 {
             for (at, depth) in [rim(0), rim(i), rim(i + 1)] {

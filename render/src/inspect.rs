@@ -20,10 +20,10 @@ pub enum Fan {
 /// A model of triangles that can be asked how its cells hang together with its nodes.
 pub trait Inspect: MultiTessellation<3, Bound = Bound> {
     /// What the answers need besides the model.
-    type Index: Send;
+    type Own: Send;
 
     /// Makes it. O(model).
-    fn index(&self) -> Self::Index;
+    fn own_index(&self) -> Self::Own;
     /// Cells are numbered below this.
     fn cell_capacity(&self) -> u32;
     /// The input.
@@ -31,7 +31,7 @@ pub trait Inspect: MultiTessellation<3, Bound = Bound> {
     /// The coarse node that refines a cell of the current mesh, at one of its corners; `None` where nothing is finer.
     fn refined_by(&self, cell: CellId, corner: VertexId, front: &Front) -> Option<NodeId>;
     /// The refined node that a cell came with, at one of its corners; `None` of what is in the base mesh.
-    fn came_with(&self, index: &Self::Index, cell: CellId, corner: VertexId, front: &Front) -> Option<NodeId>;
+    fn came_with(&self, own: &Self::Own, cell: CellId, corner: VertexId, front: &Front) -> Option<NodeId>;
     /// What the fan at a corner has come to.
     fn fan(&self, _corner: VertexId, _front: &Front) -> Fan {
         Fan::None
@@ -42,7 +42,46 @@ pub trait Inspect: MultiTessellation<3, Bound = Bound> {
     }
     /// The boundary that the mesh of a front must have, as pairs of vertices in ascending order; what is open elsewhere is a
     /// crack. O(input) or more. Where the model does not conform there is nothing to say.
-    fn boundary_at(&self, index: &Self::Index, front: &Front) -> Option<HashSet<[VertexId; 2]>>;
+    fn boundary_at(&self, own: &Self::Own, front: &Front) -> Option<HashSet<[VertexId; 2]>>;
+}
+
+/// What is looked up of a model again and again, beside it.
+pub struct Index<M: Inspect> {
+    pub(crate) own: M::Own,
+    levels: OnceLock<Vec<u32>>,
+}
+
+impl<M: Inspect> Index<M> {
+    /// Of a model. O(model).
+    pub fn of(model: &M) -> Self {
+        Self { own: model.own_index(), levels: OnceLock::new() }
+    }
+
+    /// The refined node that a cell came with, at one of its corners; `None` of what is in the base mesh.
+    pub fn came_with(&self, model: &M, cell: CellId, corner: VertexId, front: &Front) -> Option<NodeId> {
+        model.came_with(&self.own, cell, corner, front)
+    }
+
+    /// [`Inspect::boundary_at`].
+    pub fn boundary_at(&self, model: &M, front: &Front) -> Option<HashSet<[VertexId; 2]>> {
+        model.boundary_at(&self.own, front)
+    }
+
+    /// Of each node the number of nodes on the longest chain of needs from it up, itself included. Found when it is first
+    /// asked for, in O(nodes + arcs).
+    pub fn levels(&self, model: &M) -> &[u32] {
+        self.levels.get_or_init(|| {
+            let mut levels = vec![0u32; model.len() as usize];
+            let mut needs = Vec::new();
+            // What a node needs has a larger id.
+            for m in (0..model.len()).rev().map(NodeId) {
+                needs.clear();
+                model.needs(m, &mut needs);
+                levels[m.index()] = 1 + needs.iter().map(|need| levels[need.index()]).max().unwrap_or(0);
+            }
+            levels
+        })
+    }
 }
 
 /// Where the cells of an explicit model come from, and its boundary.
@@ -54,9 +93,9 @@ pub struct ExplicitIndex {
 }
 
 impl Inspect for Explicit<3> {
-    type Index = ExplicitIndex;
+    type Own = ExplicitIndex;
 
-    fn index(&self) -> ExplicitIndex {
+    fn own_index(&self) -> ExplicitIndex {
         let mut came_with = vec![NodeId::NONE; self.total_cell_count() as usize];
         for m in (0..self.len()).map(NodeId) {
             self.fine_side(m).iter().for_each(|cell| came_with[cell.index()] = m);
@@ -76,20 +115,20 @@ impl Inspect for Explicit<3> {
         self.refined_by(cell)
     }
 
-    fn came_with(&self, index: &ExplicitIndex, cell: CellId, _: VertexId, _: &Front) -> Option<NodeId> {
-        Some(index.came_with[cell.index()]).filter(|m| !m.is_none())
+    fn came_with(&self, own: &ExplicitIndex, cell: CellId, _: VertexId, _: &Front) -> Option<NodeId> {
+        Some(own.came_with[cell.index()]).filter(|m| !m.is_none())
     }
 
-    fn boundary_at(&self, index: &ExplicitIndex, front: &Front) -> Option<HashSet<[VertexId; 2]>> {
-        let domain = index.domain.get_or_init(|| mt_core::check::conformity(self).ok()).as_ref()?;
+    fn boundary_at(&self, own: &ExplicitIndex, front: &Front) -> Option<HashSet<[VertexId; 2]>> {
+        let domain = own.domain.get_or_init(|| mt_core::check::conformity(self).ok()).as_ref()?;
         Some(domain.boundary_at(front).iter().map(ends_of).collect())
     }
 }
 
 impl<D: Dependency + Send> Inspect for Hierarchy<D> {
-    type Index = ();
+    type Own = ();
 
-    fn index(&self) {}
+    fn own_index(&self) {}
 
     fn cell_capacity(&self) -> u32 {
         self.replay.cells().len() as u32

@@ -66,10 +66,10 @@ mod tint;
 pub use animation::Animation;
 pub use drawing::{Drawing, Line};
 pub use easel::{Easel, Painter, Prefer, RenderError, paint};
-pub use edges::{Edges, normal_colours};
+pub use edges::Edges;
 pub use finish::Finish;
 pub use frustum::outside;
-pub use inspect::{ExplicitIndex, Fan, Inspect};
+pub use inspect::{ExplicitIndex, Fan, Index, Inspect};
 pub use live::{LiveMesh, Placed, Places};
 pub use picture::Picture;
 pub use pieces::dual_pieces;
@@ -77,7 +77,7 @@ pub use ramp::{Ramp, Rgba};
 pub use scene::{Corner, Legend, Look, Overlay, Scene, Segment, encode};
 #[cfg(feature = "gpu")]
 pub use stage::{Stage, Uploaded};
-pub use tint::{Seen, Tint, Tinting, by_fans, levels};
+pub use tint::{Seen, Tint, Tinting, by_fans};
 /// The crate whose devices a [`Stage`] works on.
 #[cfg(feature = "gpu")]
 pub use wgpu;

@@ -28,7 +28,7 @@ pub struct Placed {
 const FREE: Placed = Placed { cell: CellId::NONE, corners: [VertexId(0); 3] };
 
 /// Triangles in places, and which places changed. 100 bytes a place, and 4 a cell of the model.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Places {
     origin: Vec3,
     material: Rgba,
@@ -134,12 +134,6 @@ impl Places {
         }
     }
 
-    /// All triangles in the material's colour again.
-    pub fn recolour_plain(&mut self) {
-        let material = self.material;
-        self.recolour(|_| material);
-    }
-
     fn put(&mut self, place: u32, placed: Placed, corners: [Corner; 3]) {
         (self.placed[place as usize], self.corners[place as usize]) = (placed, corners);
         if self.is_changed.insert(place) {
@@ -223,7 +217,7 @@ mod tests {
         mesh.places.recolour(red);
         assert!(mesh.places.take_changes().is_empty());
         assert_eq!(mesh.places.triangles().filter(|(_, at)| at[2].colour == [200, 0, 0, 255]).count(), 3);
-        mesh.places.recolour_plain();
+        mesh.places.recolour(|_| [9; 4]);
         assert!(mesh.places.corners().iter().all(|corner| corner.colour == [9; 4] || *corner == Corner::zeroed()));
     }
 }

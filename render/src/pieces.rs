@@ -5,15 +5,17 @@ use crate::scene::{Corner, Scene, Segment};
 use glam::Vec3;
 use mt_core::mesh::area_vector;
 use mt_core::{Mesh, VertexId};
+use std::collections::HashSet;
 
 /// Where two dual pieces meet.
 const BORDER: Rgba = [40, 40, 44, 255];
 
 /// The dual pieces of `[KimLee2001]` over an input mesh: around each vertex the part of its triangles that is nearer to it, in the colour of
-/// `piece`, and lines of this width where two pieces meet. 6 times the triangles.
-pub fn dual_pieces(mesh: &Mesh<3>, width_px: f32, piece: impl Fn(VertexId) -> VertexId) -> Scene {
-    let (low, high) = mesh.bounding_box().unwrap_or_default();
-    let origin = (low + high) * 0.5;
+/// `piece`, and lines where two pieces meet, relative to `origin`. 6 times the triangles.
+pub fn dual_pieces(mesh: &Mesh<3>, origin: Vec3, piece: impl Fn(VertexId) -> VertexId) -> Scene {
+    let pieces: HashSet<VertexId> = (0..mesh.positions.len()).map(|v| piece(VertexId::new(v))).collect();
+    // Lines as wide as pieces would hide them.
+    let width_px = if pieces.len() > 1000 { 0.5 } else { 1.2 };
     let mut scene = Scene { origin, ..Scene::default() };
     for cell in &mesh.cells {
         let at = cell.map(|v| mesh.positions[v.index()] - origin);

@@ -7,6 +7,7 @@ use crate::live::Places;
 use crate::picture::Picture;
 use crate::scene::{Corner, Scene};
 use mt_core::Camera;
+use std::ops::Range;
 
 /// Bytes of a triangle in a vertex buffer.
 const TRIANGLE: u64 = 3 * size_of::<Corner>() as u64;
@@ -41,7 +42,7 @@ impl Stage {
         Ok(Self::with(Gpu::open()?))
     }
 
-    /// On a device that is there already, as a window has one; it should have been made by [`Stage::wish`].
+    /// On a device that is there already, as a window has one; it should have been made by [`Stage::device_descriptor`].
     pub fn on(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, RenderError> {
         Ok(Self::with(Gpu::on(&adapter.get_info(), device, queue)?))
     }
@@ -52,8 +53,8 @@ impl Stage {
     }
 
     /// What device a stage asks an adapter for.
-    pub fn wish(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
-        Gpu::wish(adapter)
+    pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+        Gpu::device_descriptor(adapter)
     }
 
     fn with(gpu: Gpu) -> Self {
@@ -65,35 +66,39 @@ impl Stage {
         &self.gpu.adapter
     }
 
-    /// Sends what changed. O(changes), but where the buffer has to grow, by a half: O(mesh).
+    /// Sends what changed. O(changes), but where the buffer has to grow, by a half: O(mesh). After an error all is sent anew.
     ///
     /// Call it with one view always: changes are told once.
     pub fn update(&mut self, view: &mut Places) -> Result<Uploaded, RenderError> {
         let changes = view.take_changes();
-        self.places = view.place_count();
-        if u64::from(self.places) > self.room {
-            return self.grow(view);
+        let sent = self.send(view, &changes);
+        match sent {
+            Ok(_) => self.places = view.place_count(),
+            Err(_) => (self.buffer, self.room, self.places) = (None, 0, 0),
+        }
+        sent
+    }
+
+    fn send(&mut self, view: &Places, changes: &[Range<u32>]) -> Result<Uploaded, RenderError> {
+        let corners: &[u8] = bytemuck::cast_slice(view.corners());
+        let places = u64::from(view.place_count());
+        let grown = places > self.room;
+        if grown {
+            let room = places * 3 / 2 + 1024;
+            (self.buffer, self.room) = (Some(self.gpu.vertex_buffer(room * TRIANGLE)?), room);
         }
         let Some(buffer) = &self.buffer else { return Ok(Uploaded::default()) };
-        let corners: &[u8] = bytemuck::cast_slice(view.corners());
+        let all = std::slice::from_ref(&(0..view.place_count())).to_vec();
+        let ranges = if grown { &all } else { changes };
         let mut bytes = 0;
         self.gpu.guarded(|queue| {
-            for range in &changes {
+            for range in ranges {
                 let (from, to) = (u64::from(range.start) * TRIANGLE, u64::from(range.end) * TRIANGLE);
                 queue.write_buffer(buffer, from, &corners[from as usize..to as usize]);
                 bytes += to - from;
             }
         })?;
-        Ok(Uploaded { bytes, pieces: changes.len() as u32, grown: false })
-    }
-
-    fn grow(&mut self, view: &Places) -> Result<Uploaded, RenderError> {
-        let room = u64::from(self.places) * 3 / 2 + 1024;
-        let buffer = self.gpu.vertex_buffer(room * TRIANGLE)?;
-        let corners: &[u8] = bytemuck::cast_slice(view.corners());
-        self.gpu.guarded(|queue| queue.write_buffer(&buffer, 0, corners))?;
-        (self.buffer, self.room) = (Some(buffer), room);
-        Ok(Uploaded { bytes: corners.len() as u64, pieces: 1, grown: true })
+        Ok(Uploaded { bytes, pieces: ranges.len() as u32, grown })
     }
 
     /// Forgets the view, so that the next [`Stage::update`] sends all of another.
@@ -115,32 +120,27 @@ impl Stage {
     /// Paints what was sent as `camera` sees it, with the lines, colours and ground of `scene`, whose own triangles are left
     /// out; its origin has to be that of the view.
     pub fn paint(&mut self, scene: &Scene, camera: &Camera) -> Result<Picture, RenderError> {
-        self.draw(scene, camera, 0)?;
-        self.canvases[0].as_ref().map_or_else(|| Err(RenderError::Gpu("no canvas".into())), |c| self.gpu.read(c))
+        let gpu = self.gpu.clone();
+        gpu.read(self.draw(scene, camera, 0)?)
     }
 
     /// The same, left on the device: a texture of the camera's size, for one of several cameras that look at the view. It is
     /// the same texture from frame to frame, until that camera's size changes.
     pub fn show(&mut self, scene: &Scene, camera: &Camera, which: usize) -> Result<&wgpu::Texture, RenderError> {
-        self.draw(scene, camera, which)?;
-        let canvas = self.canvases[which].as_ref();
-        canvas.map_or_else(|| Err(RenderError::Gpu("no canvas".into())), |canvas| Ok(canvas.texture()))
+        self.draw(scene, camera, which).map(Canvas::texture)
     }
 
-    fn draw(&mut self, scene: &Scene, camera: &Camera, which: usize) -> Result<(), RenderError> {
+    fn draw(&mut self, scene: &Scene, camera: &Camera, which: usize) -> Result<&Canvas, RenderError> {
         camera.check()?;
         if self.canvases.len() <= which {
             self.canvases.resize_with(which + 1, || None);
         }
         let size = [camera.width_px, camera.height_px];
-        let canvas = match self.canvases[which].take().filter(|canvas| canvas.size() == size) {
-            Some(canvas) => canvas,
-            None => self.gpu.new_canvas(camera)?,
-        };
+        let kept = self.canvases[which].take().filter(|canvas| canvas.size() == size);
+        let canvas = kept.map_or_else(|| self.gpu.new_canvas(camera), Ok)?;
         let own = || self.buffer.iter().map(|buffer| (buffer.clone(), 3 * self.places)).collect();
         let buffers = self.instead.clone().unwrap_or_else(own);
-        let drawn = self.gpu.draw_buffers(scene, camera, &canvas, buffers);
-        self.canvases[which] = Some(canvas);
-        drawn
+        self.gpu.draw_buffers(scene, camera, &canvas, buffers)?;
+        Ok(self.canvases[which].insert(canvas))
     }
 }

@@ -1,12 +1,12 @@
 //! What the colours of a view's triangles tell: error, level, what steps did, what was forced, how far fans have come.
 
-use crate::inspect::{Fan, Inspect};
+use crate::inspect::{Fan, Index, Inspect};
 use crate::live::Placed;
 use crate::ramp::{Ramp, Rgba};
-use crate::scene::Legend;
+use crate::scene::{Legend, Look, Overlay, Scene, encode};
 use glam::{DVec3, Vec3};
 use mt_core::mesh::area_vector;
-use mt_core::{Front, MultiTessellation, NodeId, Step};
+use mt_core::{Cell, CellId, Front, Mesh, MultiTessellation, NodeId, Step};
 use std::collections::HashMap;
 
 /// What the triangles' colours tell.
@@ -62,15 +62,13 @@ pub struct Seen<'a, M: Inspect> {
     /// The model.
     pub model: &'a M,
     /// What its answers need.
-    pub index: &'a M::Index,
+    pub index: &'a Index<M>,
     /// The refined nodes.
     pub front: &'a Front,
     /// Whether a node is asked for.
     pub asks: &'a dyn Fn(NodeId) -> bool,
     /// The last steps.
     pub steps: &'a [Step],
-    /// Of each node, [`levels`]; may be empty where no levels are told.
-    pub levels: &'a [u32],
 }
 
 /// The colour of any triangle of a view, and what the colours say.
@@ -91,9 +89,9 @@ impl<'a, M: Inspect> Seen<'a, M> {
     /// The colours of a tint; `triangles` are those of the view, by which numbers are scaled, and `plain` is the material's
     /// colour. O(triangles).
     pub fn tinting(&self, tint: Tint, triangles: impl Iterator<Item = Placed>, plain: Rgba) -> Tinting<'a> {
-        let &Seen { model, index, front, asks, levels, .. } = self;
+        let &Seen { model, index, front, asks, .. } = self;
         let nodes_with = move |placed: Placed| {
-            placed.corners.map(|v| model.came_with(index, placed.cell, v, front)).into_iter().flatten()
+            placed.corners.map(|v| index.came_with(model, placed.cell, v, front)).into_iter().flatten()
         };
         let colour: Box<dyn Fn(Placed) -> Rgba + 'a> = match tint {
             Tint::Plain => Box::new(move |_| plain),
@@ -105,6 +103,7 @@ impl<'a, M: Inspect> Seen<'a, M> {
                 return scaled(Ramp::Plasma, "error", triangles, error);
             }
             Tint::Level => {
+                let levels = index.levels(model);
                 let level =
                     move |placed: Placed| nodes_with(placed).map(|m| levels[m.index()]).max().unwrap_or(0) as f32;
                 return scaled(Ramp::Viridis, "level", triangles, level);
@@ -136,6 +135,20 @@ impl<'a, M: Inspect> Seen<'a, M> {
             }),
         };
         Tinting { legend: None, colour }
+    }
+}
+
+impl<M: Inspect> Seen<'_, M> {
+    /// The view as a scene: these cells, with the colours of a tint. O(vertices of the model).
+    pub fn encode(&self, tint: Tint, cells: &[(CellId, Cell<3>)], wireframe: bool) -> Scene {
+        let placed = cells.iter().map(|&(cell, corners)| Placed { cell, corners });
+        let material = Look::default().material;
+        let tinting = self.tinting(tint, placed.clone(), material);
+        let colours: Vec<Rgba> = placed.map(|placed| tinting.colour(placed)).collect();
+        let cells = cells.iter().map(|(_, corners)| *corners).collect();
+        let mesh = Mesh { positions: self.model.positions().to_vec(), cells }.compact();
+        let look = Look { wireframe, overlay: Overlay::Colours(&colours), ..Look::default() };
+        Scene { legend: tinting.legend, ..encode(&mesh, &look) }
     }
 }
 
@@ -179,19 +192,6 @@ pub fn by_fans<const N: usize, M: MultiTessellation<N>>(model: &M, steps: &[Step
         length > 1 && counts[&key(step)] == length
     };
     steps.iter().map(by_fan).collect()
-}
-
-/// Of each node the number of nodes on the longest chain of needs from it up, itself included. O(nodes + arcs).
-pub fn levels<const N: usize, M: MultiTessellation<N>>(model: &M) -> Vec<u32> {
-    let mut levels = vec![0u32; model.len() as usize];
-    let mut needs = Vec::new();
-    // What a node needs has a larger id.
-    for m in (0..model.len()).rev().map(NodeId) {
-        needs.clear();
-        model.needs(m, &mut needs);
-        levels[m.index()] = 1 + needs.iter().map(|need| levels[need.index()]).max().unwrap_or(0);
-    }
-    levels
 }
 
 #[cfg(test)]

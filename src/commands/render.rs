@@ -10,10 +10,7 @@ use mt_core::hierarchy::Dependency;
 use mt_core::model::cells_of;
 use mt_core::{Camera, Hierarchy, Mesh, NodeId, VertexId};
 use operators::order::{Scheme, Visit};
-use render::{
-    Drawing, Easel, Edges, Finish, Inspect, Legend, Look, Overlay as Colours, Placed, Prefer, RenderError, Rgba, Scene,
-    Seen, Tint,
-};
+use render::{Drawing, Easel, Edges, Finish, Index, Inspect, Prefer, RenderError, Scene, Seen, Tint};
 use selective::{Criterion, State};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -154,21 +151,13 @@ impl Render {
 
     /// What is drawn, for an eye.
     fn scene(&self, selected: &Selected, eye: Vec3) -> Scene {
-        let Selected { mesh, colours, legend, .. } = selected;
-        if let Some((input, above)) = &selected.pieces {
-            // Lines as wide as pieces would hide them.
-            let width_px = if mesh.cell_count() > 2000 { 0.5 } else { 1.2 };
-            return render::dual_pieces(input, width_px, |v| above[v.index()]);
-        }
-        let overlay = colours.as_deref().map_or(Colours::None, Colours::Colours);
-        let wireframe = self.shows(Overlay::Wireframe);
-        let mut scene = render::encode(mesh, &Look { wireframe, overlay, ..Look::default() });
-        scene.legend = *legend;
+        let Selected { mesh, boundary, .. } = selected;
+        let mut scene = selected.scene.clone();
         if self.shows(Overlay::Outline) {
             scene.add_edges(&mesh.positions, &mesh.cells, Edges::Outline(eye));
         }
         if self.shows(Overlay::Boundary) {
-            let which = selected.boundary.as_ref().map_or(Edges::Boundary, Edges::Cracks);
+            let which = boundary.as_ref().map_or(Edges::Boundary, Edges::Cracks);
             scene.add_edges(&mesh.positions, &mesh.cells, which);
         }
         scene
@@ -247,31 +236,24 @@ impl Render {
         camera: Option<&Camera>,
         scheme: &'static str,
     ) -> Result<Selected, CommandError> {
-        let (front, index) = (state.front(), model.index());
+        let (front, index) = (state.front(), Index::of(model));
         let wish = self.selection.asked(camera)?.wish();
-        let tint = self.overlay.iter().find_map(|overlay| overlay.tint());
-        let cells: Vec<Placed> =
-            cells_of(model, &state.view.mesh).into_iter().map(|(cell, corners)| Placed { cell, corners }).collect();
-        let levels = if tint == Some(Tint::Level) { render::levels(model) } else { Vec::new() };
+        let tint = self.overlay.iter().find_map(|overlay| overlay.tint()).unwrap_or_default();
+        let cells = cells_of(model, &state.view.mesh);
         let asks = |m: NodeId| wish.asks(&model.bound(m), true);
-        let seen = Seen { model, index: &index, front, asks: &asks, steps: &state.steps, levels: &levels };
-        let tinting = tint.map(|tint| seen.tinting(tint, cells.iter().copied(), Look::default().material));
+        let seen = Seen { model, index: &index, front, asks: &asks, steps: &state.steps };
         let input = model.input();
+        let extent = input.bounding_box().unwrap_or_default();
         let pieces = if self.shows(Overlay::Pieces) { model.pieces(front) } else { None };
-        let boundary_shown = self.shows(Overlay::Boundary);
-        let boundary = if boundary_shown { model.boundary_at(&index, front) } else { None };
+        let scene = match &pieces {
+            Some(above) => render::dual_pieces(&input, (extent.0 + extent.1) * 0.5, |v| above[v.index()]),
+            None => seen.encode(tint, &cells, self.shows(Overlay::Wireframe)),
+        };
+        let boundary = if self.shows(Overlay::Boundary) { index.boundary_at(model, front) } else { None };
         // Numbered as in the model, for the boundary's sake.
-        let mesh = Mesh { positions: model.positions().to_vec(), cells: cells.iter().map(|one| one.corners).collect() };
-        Ok(Selected {
-            colours: tinting.as_ref().map(|tinting| cells.iter().map(|&one| tinting.colour(one)).collect()),
-            legend: tinting.as_ref().and_then(|tinting| tinting.legend),
-            boundary,
-            mesh: if boundary_shown { mesh } else { mesh.compact() },
-            extent: input.bounding_box().unwrap_or_default(),
-            cells_in: input.cell_count(),
-            pieces: pieces.map(|above| (input, above)),
-            scheme,
-        })
+        let cells = cells.into_iter().map(|(_, corners)| corners).collect();
+        let mesh = Mesh { positions: model.positions().to_vec(), cells };
+        Ok(Selected { scene, mesh, boundary, scheme, extent, cells_in: input.cell_count() })
     }
 
     fn viewpoint(&self, camera: Option<Camera>, low: Vec3, high: Vec3) -> Result<Camera, CommandError> {
@@ -294,14 +276,12 @@ impl Render {
 
 /// What is to be drawn.
 struct Selected {
+    /// All but lines that depend on the eye.
+    scene: Scene,
+    /// The mesh, numbered as in the model.
     mesh: Mesh<3>,
-    /// Of each triangle, where colours show something.
-    colours: Option<Vec<Rgba>>,
-    legend: Option<Legend>,
     /// Where the boundary must be, if that is shown.
     boundary: Option<HashSet<[VertexId; 2]>>,
-    /// Where dual pieces are shown: the input, and what stands above each of its vertices.
-    pieces: Option<(Mesh<3>, Vec<VertexId>)>,
     /// What steps wait for.
     scheme: &'static str,
     /// Of the input.

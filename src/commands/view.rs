@@ -4,6 +4,7 @@ use super::{CommandError, print_text};
 use crate::coarsening::{Coarsening, replay_of};
 use crate::files::{self, FileError, Model};
 use crate::kept::Kept;
+use crate::progress::interrupted;
 use crate::selection;
 use crate::subject::is_mesh;
 use clap::Args;
@@ -18,8 +19,8 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::str::FromStr;
-use std::sync::{Arc, Mutex, PoisonError};
-use viewer::{Choice, Extent, File, Make, Pane, Play, PlayFrom, Viewer, play};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use viewer::{AnyView, Ask, Choice, Extent, File, Make, Opening, Pane, ViewFrom, Viewer, view_of};
 
 #[derive(Args)]
 pub struct View {
@@ -54,8 +55,9 @@ pub struct View {
 
 impl View {
     pub fn run(self) -> Result<ExitCode, CommandError> {
-        if !(self.pixels.is_finite() && self.pixels > 0.0) {
-            return Err(CommandError::Other("--pixels must be a number above 0".into()));
+        if !Ask::PIXELS.contains(&self.pixels) {
+            let (least, most) = (Ask::PIXELS.start(), Ask::PIXELS.end());
+            return Err(CommandError::Other(format!("--pixels must be a number from {least} to {most}")));
         }
         if self.beside.is_some() && self.models.len() == 2 {
             return Err(CommandError::Other("there are two panes: two models, or one with --beside".into()));
@@ -70,8 +72,8 @@ impl View {
             let dependencies = [Some(source.came.dependency), self.beside];
             for dependency in dependencies.into_iter().flatten() {
                 let choice = Choice { dependency, ..source.came.clone() };
-                let play = source.view(&choice)?;
-                panes.push(Pane::new(i, choice, play));
+                let view = source.view(&choice)?;
+                panes.push(Pane::new(i, choice, view));
             }
         }
         if let Some(path) = &self.log {
@@ -81,13 +83,16 @@ impl View {
                 pane.take_log(log.clone()).map_err(wrong)?;
             }
         }
-        let subjects = sources.iter().map(Source::subject).collect();
+        let subjects = (0..sources.len()).map(|i| subject(&sources, i)).collect();
         let mut viewer = Viewer::new(subjects, panes, make, path.unwrap_or_default());
         viewer.ask.error_px = self.pixels;
-        let stem = sources[0].path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let folder = self.output;
-        let save = Box::new(move |what: &str, files: &[File]| written(&folder, &stem, what, files));
-        let viewer = viewer::open(viewer, save, self.lose_device_after).map_err(|error| {
+        let save = Box::new(move |model: usize, what: &str, files: &[File]| {
+            let stem = sources[model].path.file_stem().unwrap_or_default().to_string_lossy();
+            written(&folder, &stem, what, files)
+        });
+        let opening = Opening { save, is_to_close: interrupted, lose_after: self.lose_device_after };
+        let viewer = viewer::open(viewer, opening).map_err(|error| {
             CommandError::Other(format!("{error}; mtess render and mtess movie make pictures without a window"))
         })?;
         print_text(&closing(&viewer));
@@ -97,7 +102,7 @@ impl View {
     fn sources(&self) -> Result<Vec<Source>, CommandError> {
         if self.models.is_empty() {
             let subject = built_in().swap_remove(0);
-            return Ok(vec![self.of_mesh(Path::new(&subject.name), subject.mesh)?]);
+            return Ok(vec![self.of_mesh(Path::new(&subject.name), subject.mesh, Loaded::Generated)?]);
         }
         self.models.iter().map(|path| self.source(path)).collect()
     }
@@ -106,7 +111,7 @@ impl View {
         if is_mesh(path) {
             let (mesh, report) = files::load_mesh(path, &LoadOptions::default())?;
             eprint!("{report}");
-            return self.of_mesh(path, mesh);
+            return self.of_mesh(path, mesh, Loaded::Mesh);
         }
         let (model, meta) = files::load_model(path)?;
         let (loaded, mesh, dependency) = match model {
@@ -125,16 +130,18 @@ impl View {
         Ok(Source::new(path, mesh, loaded, came, meta.operator))
     }
 
-    fn of_mesh(&self, path: &Path, mesh: Mesh<3>) -> Result<Source, CommandError> {
+    fn of_mesh(&self, path: &Path, mesh: Mesh<3>, loaded: Loaded) -> Result<Source, CommandError> {
         let operator = crate::subject::operator_or_usual(self.operator.as_ref())?;
         let dependency = self.dependency.unwrap_or(DependencyKind::Scheme(Scheme::DualPiece));
         let came = Choice { operator: None, dependency };
-        Ok(Source::new(path, mesh, Loaded::Mesh, came, operator.name()))
+        Ok(Source::new(path, mesh, loaded, came, operator.name()))
     }
 }
 
 /// What a file held.
 enum Loaded {
+    /// Nothing: the mesh is generated.
+    Generated,
     Mesh,
     Cells(Arc<Explicit<3>>),
     Merges(Arc<Replay>),
@@ -149,8 +156,8 @@ struct Source {
     came: Choice,
     made_by: String,
     /// By operator.
-    cells: Mutex<HashMap<String, Arc<Explicit<3>>>>,
-    replays: Mutex<HashMap<String, Arc<Replay>>>,
+    cells: Shelf<Arc<Explicit<3>>>,
+    replays: Shelf<Arc<Replay>>,
 }
 
 impl Source {
@@ -160,24 +167,33 @@ impl Source {
         Self { path: path.to_owned(), mesh, extent, loaded, came, made_by, cells, replays }
     }
 
-    fn subject(&self) -> viewer::Subject {
-        viewer::Subject {
-            name: self.path.to_string_lossy().into_owned(),
-            extent: self.extent.clone(),
-            choice: self.came.clone(),
-            made_by: self.made_by.clone(),
+    /// The words by which other commands load it under a choice.
+    fn words(&self, choice: &Choice) -> Option<String> {
+        let path = quoted(&self.path.to_string_lossy());
+        let as_it_came = choice.operator.is_none();
+        let operator = choice.operator.as_ref().unwrap_or(&self.made_by);
+        match (&self.loaded, choice.dependency) {
+            (Loaded::Generated, _) => None,
+            (Loaded::Mesh, DependencyKind::Scheme(scheme)) => {
+                Some(format!("{path} --operator {operator} --dependency {scheme}"))
+            }
+            (Loaded::Cells(_), DependencyKind::Cells) if as_it_came => Some(path),
+            (Loaded::Merges(_), DependencyKind::Scheme(scheme)) if as_it_came => {
+                Some(format!("{path} --dependency {scheme}"))
+            }
+            _ => None,
         }
     }
 
     /// A view under a choice, of what is there or what is made now.
-    fn view(&self, choice: &Choice) -> Result<Box<dyn Play>, CommandError> {
+    fn view(&self, choice: &Choice) -> Result<Box<dyn AnyView>, CommandError> {
         let origin: Vec3 = (self.extent.low + self.extent.high) * 0.5;
         let as_it_came = choice.operator.is_none();
         let name = choice.operator.clone().unwrap_or_else(|| self.made_by.clone());
         let wrong = |error: &dyn std::fmt::Display| CommandError::File(FileError::new(&self.path, error));
         match (choice.dependency, &self.loaded) {
-            (DependencyKind::Cells, Loaded::Cells(model)) if as_it_came => Ok(play(Arc::clone(model), origin)),
-            (DependencyKind::Cells, _) => Ok(play(kept(&self.cells, &name, || self.coarsened(&name))?, origin)),
+            (DependencyKind::Cells, Loaded::Cells(model)) if as_it_came => Ok(view_of(Arc::clone(model), origin)),
+            (DependencyKind::Cells, _) => Ok(view_of(kept(&self.cells, &name, || self.coarsened(&name))?, origin)),
             (DependencyKind::Scheme(scheme), loaded) => {
                 let replay = match loaded {
                     Loaded::Merges(replay) if as_it_came => Arc::clone(replay),
@@ -185,7 +201,7 @@ impl Source {
                         replay_of(&self.path, &self.mesh, &self.operator(&name)?).map(Arc::new)
                     })?,
                 };
-                scheme.visit(&replay, PlayFrom(origin)).map_err(|error| wrong(&error))
+                scheme.visit(&replay, ViewFrom(origin)).map_err(|error| wrong(&error))
             }
         }
     }
@@ -205,19 +221,42 @@ impl Source {
     }
 }
 
-/// What is kept under a name, or is made now; nothing else is made meanwhile.
+/// What was made, by name. What is being made is locked by itself.
+type Shelf<T> = Mutex<HashMap<String, Arc<Mutex<Option<T>>>>>;
+
+/// What is kept under a name, or is made now; others may make other things meanwhile.
 fn kept<T: Clone>(
-    shelf: &Mutex<HashMap<String, T>>,
+    shelf: &Shelf<T>,
     name: &str,
     make: impl FnOnce() -> Result<T, CommandError>,
 ) -> Result<T, CommandError> {
-    let mut shelf = shelf.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(there) = shelf.get(name) {
+    let place = Arc::clone(locked(shelf).entry(name.to_owned()).or_default());
+    let mut place = locked(&place);
+    if let Some(there) = &*place {
         return Ok(there.clone());
     }
-    let made = make()?;
-    shelf.insert(name.to_owned(), made.clone());
-    Ok(made)
+    Ok(place.insert(make()?).clone())
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What the window tells of a model.
+fn subject(sources: &Arc<Vec<Source>>, i: usize) -> viewer::Subject {
+    let (source, all) = (&sources[i], Arc::clone(sources));
+    viewer::Subject {
+        name: source.path.to_string_lossy().into_owned(),
+        extent: source.extent.clone(),
+        made_by: source.made_by.clone(),
+        words: Arc::new(move |choice| all[i].words(choice)),
+    }
+}
+
+/// A file's name as a shell takes it.
+fn quoted(name: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+".contains(c);
+    if name.chars().all(plain) { name.to_owned() } else { format!("'{}'", name.replace('\'', "'\\''")) }
 }
 
 /// Writes files under the first free name: `bunny-picture-001.png` and so on.
@@ -238,7 +277,7 @@ fn closing(viewer: &Viewer) -> String {
     let times = viewer.records.iter().map(|record| record.whole.as_secs_f64() * 1e3);
     let mut times: Vec<f64> = times.filter(|&time| time > 0.0).collect();
     times.sort_by(f64::total_cmp);
-    let triangles = viewer.panes[0].play.places().triangle_count();
+    let triangles = viewer.panes[0].view.places().triangle_count();
     match times.get(times.len() / 2) {
         Some(median) => format!(
             "closed at {triangles} triangles; the last {} frames in motion took {median:.1} ms each, as median",

@@ -20,7 +20,6 @@ pub use build::{Cache, NoCache};
 pub use choices::{CriterionKind, DependencyKind, StrategyKind, UnknownChoice};
 pub use features::sharp_vertices;
 pub use path::camera_path;
-pub use pictures::{cell_errors, cell_levels};
 pub use report::page;
 pub use results::{Built, Degrees, Observation, Ordered, Picture, Quality, Results};
 

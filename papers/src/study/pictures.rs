@@ -1,33 +1,10 @@
-//! The pictures of a study, and what colours of cells mean.
+//! The pictures of a study.
 
 use super::{Config, Picture, Results, StudyError, Subject, camera_path};
-use mt_core::explicit::Alive;
 use mt_core::model::{cells_of, mesh_of};
-use mt_core::{Camera, Explicit, Mesh, MultiTessellation};
-use render::{Look, Overlay, Prefer};
+use mt_core::{Camera, Explicit, Mesh};
+use render::{Index, Look, Prefer, Seen, Tint};
 use selective::{Limits, ScreenError, State, Strategy, UniformError, extract};
-
-/// The error of each cell of a mesh, in the model's order of cells: that of the modification that would refine it, in
-/// model units; 0 for cells of the input.
-pub fn cell_errors(model: &Explicit<3>, mesh: &Alive) -> Vec<f32> {
-    let error = |cell| model.refined_by(cell).map_or(0.0, |m| model.bound(m).error);
-    cells_of(model, mesh).into_iter().map(|(cell, _)| error(cell)).collect()
-}
-
-/// The level of each cell of a mesh: the longest chain of modifications from the base mesh to it.
-pub fn cell_levels(model: &Explicit<3>, mesh: &Alive) -> Vec<f32> {
-    let order = model.order();
-    let mut level_of_node = vec![0u32; model.len() as usize];
-    let mut level_of_cell = vec![0u32; model.total_cell_count() as usize];
-    for m in (0..model.len()).rev().map(mt_core::NodeId) {
-        let above = order.needs(m).iter().map(|need| level_of_node[need.index()]).max().unwrap_or(0);
-        level_of_node[m.index()] = above + 1;
-        for &cell in model.fine_side(m) {
-            level_of_cell[cell.index()] = above + 1;
-        }
-    }
-    cells_of(model, mesh).into_iter().map(|(cell, _)| level_of_cell[cell.index()] as f32).collect()
-}
 
 /// Draws the pictures of one model: the view-dependent mesh as its camera sees it and from outside, and error and level
 /// at a tenth of the triangles.
@@ -65,7 +42,6 @@ pub(super) fn draw(
     let view = Viewed { from: sized(render::outside(&camera, low, high)), kept: camera, options };
     easel.paint("outside", caption, scene, view)?;
     let tenth = tenth_of(model, &subject.mesh);
-    let mesh = mesh_of(model, &tenth.view.mesh);
     let around = sized(Camera::around(low, high, glam::Vec3::new(0.6, 0.5, 1.0)));
     let cells = subject.mesh.cell_count() / 10;
     let of_tenth = |overlay: &str| Viewed {
@@ -73,20 +49,13 @@ pub(super) fn draw(
         kept: around,
         options: format!("--cells {cells} --look-from FILE --overlay {overlay}"),
     };
-    let errors = cell_errors(model, &tenth.view.mesh);
-    let overlay = Overlay::Error { values: &errors, range: Overlay::range_of(&errors) };
+    let (index, cells) = (Index::of(model), cells_of(model, &tenth.view.mesh));
+    let asks = |_| true;
+    let seen = Seen { model, index: &index, front: tenth.front(), asks: &asks, steps: &[] };
     let caption = format!("{}: error of each triangle at a tenth of the input, in model units", subject.name);
-    easel.paint(
-        "error",
-        caption,
-        render::encode(&mesh, &Look { wireframe: true, overlay, ..Look::default() }),
-        of_tenth("error"),
-    )?;
-    let levels = cell_levels(model, &tenth.view.mesh);
-    let overlay = Overlay::Level { values: &levels, range: Overlay::range_of(&levels) };
+    easel.paint("error", caption, seen.encode(Tint::Error, &cells, true), of_tenth("error"))?;
     let caption = format!("{}: level of each triangle, the longest chain of modifications to it", subject.name);
-    let scene = render::encode(&mesh, &Look { wireframe: true, overlay, ..Look::default() });
-    easel.paint("level", caption, scene, of_tenth("level"))
+    easel.paint("level", caption, seen.encode(Tint::Level, &cells, true), of_tenth("level"))
 }
 
 /// A camera of the path that is near the surface and has some of it in view.

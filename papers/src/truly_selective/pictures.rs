@@ -37,9 +37,9 @@ fn kept(replay: &Replay, front: &Front, is_concerned: impl Fn(VertexId) -> bool)
 /// The dual pieces of a front over the input.
 fn pieces(replay: &Replay, front: &Front) -> Scene {
     let above = check::active_ancestors(replay, front);
-    // Lines as wide as pieces would hide them.
-    let width_px = if front.len() > 1000 { 0.5 } else { 1.2 };
-    render::dual_pieces(&replay.reference(), width_px, |v| above[v.index()])
+    let input = replay.reference();
+    let (low, high) = input.bounding_box().unwrap_or_default();
+    render::dual_pieces(&input, (low + high) * 0.5, |v| above[v.index()])
 }
 
 pub(super) fn figure_4(workshop: &mut Workshop<'_>, _: &Published, entry: &mut Entry) -> Result<(), LedgerError> {

@@ -4,9 +4,10 @@ use glam::Vec3;
 use mt_core::{Camera, Mesh};
 use papers::study::{CriterionKind, StrategyKind, sharp_vertices};
 use selective::{
-    Facing, FeaturePoints, InRegion, Limits, Moving, Path, PointIndex, Reading, Region, ScreenError, Silhouette,
-    UniformError, VisualError, Wish,
+    Facing, FeaturePoints, Hysteresis, InRegion, Limits, Moving, OnPath, Path, PointIndex, Reading, Region,
+    ScreenError, Silhouette, UniformError, VisualError, Wish,
 };
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// What is asked, in numbers that do not depend on the model's size.
@@ -27,6 +28,11 @@ pub struct Ask {
 }
 
 impl Ask {
+    /// Errors on the screen that may be asked for, in pixels.
+    pub const PIXELS: RangeInclusive<f32> = 1e-3..=1e3;
+    /// Errors in space that may be asked for, as shares of the diagonal.
+    pub const SHARES: RangeInclusive<f32> = 1e-7..=1.0;
+
     /// One pixel on the screen, from frame to frame; a tenth of the input where there is a budget.
     pub fn usual(cells: u32) -> Self {
         Self {
@@ -39,12 +45,18 @@ impl Ask {
         }
     }
 
+    /// Whether the criterion is about errors in space, and not on a screen.
+    pub(crate) fn is_spatial(&self) -> bool {
+        use CriterionKind::{Features, Region, Uniform, Visual};
+        matches!(self.criterion, Uniform | Region | Features | Visual)
+    }
+
     /// As a line: `screen 1 px, incremental`.
     pub fn told(&self) -> String {
         let share = format!("{:.3} % of the diagonal", 100.0 * self.error_share);
         let how = match self.criterion {
-            CriterionKind::Uniform | CriterionKind::Features | CriterionKind::Visual => share,
             CriterionKind::Region => format!("{share} within {:.1} %", 200.0 * self.region_share),
+            _ if self.is_spatial() => share,
             CriterionKind::Budget => format!("{} triangles", self.cells),
             _ => format!("{} px", short(self.error_px)),
         };
@@ -99,6 +111,18 @@ pub struct Asked {
     pub path: Path,
 }
 
+impl Asked {
+    /// The wish with a memory.
+    pub(crate) fn lasting(&self) -> Hysteresis<&Wish> {
+        Hysteresis { criterion: &self.wish, margin: self.margin }
+    }
+
+    /// The wish with runs that are judged as its path says.
+    pub(crate) fn on_path(&self) -> OnPath<&Wish> {
+        OnPath { criterion: &self.wish, path: self.path }
+    }
+}
+
 impl Ask {
     /// The question that an eye puts to a model, which came from `last` since the frame before.
     pub fn of(&self, extent: &Extent, camera: &Camera, last: Vec3) -> Asked {
@@ -148,12 +172,7 @@ impl Ask {
             _ => Path::Fine,
         };
         // Half of what is asked for, in the unit that it is asked in.
-        let margin = match self.criterion {
-            CriterionKind::Uniform | CriterionKind::Region | CriterionKind::Features | CriterionKind::Visual => {
-                0.5 * error
-            }
-            _ => 0.5 * self.error_px,
-        };
+        let margin = 0.5 * if self.is_spatial() { error } else { self.error_px };
         Asked { wish, limits, strategy: self.strategy, margin, path }
     }
 }

@@ -56,7 +56,7 @@ pub enum Action {
     /// Records the camera, or stops.
     Record,
     /// Follows the camera path, or stops.
-    Play,
+    Follow,
     /// Points at what is in the middle.
     Pick,
     /// Points at nothing.
@@ -116,7 +116,7 @@ pub const BINDINGS: [Binding; 33] = [
     bind(Key::J, false, Action::PlayLog, "play the log, frame after frame, or stop"),
     bind(Key::Enter, false, Action::Now, "back to the present"),
     bind(Key::R, false, Action::Record, "record the camera's path, or stop"),
-    bind(Key::Space, false, Action::Play, "follow the path, or stop"),
+    bind(Key::Space, false, Action::Follow, "follow the path, or stop"),
     bind(Key::I, false, Action::Pick, "inspect what is in the middle (or click)"),
     bind(Key::Escape, false, Action::Unpick, "inspect nothing"),
     bind(Key::P, false, Action::SavePicture, "save the picture, with what makes it again"),

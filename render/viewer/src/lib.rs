@@ -2,24 +2,25 @@
 //! the picture home.
 //!
 //! ```text
-//! keys, mouse ─▶ window ─ actions ─▶ Viewer { pilot, ask, panes { Play } } ─ frame ─▶ steps ─▶ Places ─▶ Stage ─▶ texture
+//! keys, mouse ─▶ window ─ actions ─▶ Viewer { pilot, ask, panes { AnyView } } ─ frame ─▶ steps ─▶ Places ─▶ Stage ─▶ texture
 //!                   ▲                                                      ─ scene ─▶ lines, colours ────────┘      │
 //!                   └────────────────────────────────────────────────────────────────────────────────────────────┘
 //! ```
 //!
-//! All but `window`, `panels` and `graph` knows neither window nor device. No file is opened here: whoever opens the window
+//! All but `window`, `panels` and `graph` knows neither window nor device (`keys` has the names of keys). No file is opened here: whoever opens the window
 //! makes models and writes files.
 //!
 //! | room | what is there |
 //! |---|---|
 //! | `ask` | what is asked of every frame |
-//! | `play` | a view whose model nobody needs to know, with its log |
+//! | `any_view` | a view whose model nobody needs to know, with its log |
 //! | `pane`, `viewer` | panes, what they show and what can be done to them |
 //! | `pilot`, `pick`, `marks` | the camera; what lies under a pixel; lines that tell of it |
 //! | `keys` | actions and their keys |
 //! | `saved` | what is written of a picture |
 //! | `window`, `panels`, `graph` | egui, winit and the device |
 
+mod any_view;
 mod ask;
 mod graph;
 mod keys;
@@ -28,27 +29,27 @@ mod pane;
 mod panels;
 mod pick;
 mod pilot;
-mod play;
 mod saved;
 mod viewer;
 mod window;
 
+pub use any_view::{AnyView, NodeFacts, Picked, ViewFrom, view_of};
 pub use ask::{Ask, Asked, Extent};
 pub use keys::{Action, BINDINGS, Binding};
-pub use pane::{Choice, Make, Pane, Subject};
+pub use pane::{Choice, FrameFacts, Make, Pane, Subject, Version, Words};
 pub use pick::{Hit, pick};
 pub use pilot::{Flight, Pilot};
-pub use play::{NodeFacts, Picked, Play, PlayFrom, play};
 pub use saved::{File, Save};
-pub use viewer::{Record, Shown, Viewer};
+pub use viewer::{Chore, Record, Shown, Viewer};
 
 use eframe::egui;
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
-use std::cell::Cell;
+use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::rc::Rc;
 use std::sync::Arc;
-use window::{App, Held, Shelf, Watched};
+use std::time::{Duration, Instant};
+use window::{App, Held, Watched};
 
 /// Why there is no window.
 #[derive(Debug, thiserror::Error)]
@@ -61,21 +62,32 @@ pub enum ViewError {
     Lost(u32),
 }
 
-/// Devices that may be lost before we give up.
+/// Devices that may be lost one shortly after the other before we give up.
 const LOSSES_MAX: u32 = 3;
+/// A window that lasts longer makes up for the losses before.
+const LASTING: Duration = Duration::from_secs(20);
+
+/// What is to become of a window.
+pub struct Opening {
+    /// Writes what is saved.
+    pub save: Save,
+    /// Whether it is to be closed, as on Ctrl-C; asked from frame to frame.
+    pub is_to_close: fn() -> bool,
+    /// Destroys the device after so many frames, to see what comes of it.
+    pub lose_after: Option<u32>,
+}
 
 /// Opens the window and shows it until it is closed. A device that is lost is replaced, with another window; models and logs
 /// stay. Call it on the main thread, which some systems insist on.
-///
-/// `lose_after` destroys the device after so many frames, to see what comes of it.
-pub fn open(viewer: Viewer, save: Save, lose_after: Option<u32>) -> Result<Viewer, ViewError> {
-    let shelf: Shelf = Rc::new(Cell::new(Some(Box::new(Held { viewer, save }))));
-    let mut destroy_after = lose_after;
-    for losses in 0.. {
-        let watched = Watched::default();
-        let (taken, device, destroy) = (Rc::clone(&shelf), watched.clone(), destroy_after.take());
+pub fn open(viewer: Viewer, opening: Opening) -> Result<Viewer, ViewError> {
+    let Opening { save, is_to_close, mut lose_after } = opening;
+    let held = Rc::new(RefCell::new(Held { viewer, save, is_to_close }));
+    let mut losses = 0;
+    loop {
+        let (watched, begun) = (Watched::default(), Instant::now());
+        let (shown, device, destroy) = (Rc::clone(&held), watched.clone(), lose_after.take());
         let made = Box::new(move |context: &eframe::CreationContext<'_>| {
-            App::new(context, &taken, &device, destroy).map(|app| Box::new(app) as Box<dyn eframe::App>)
+            App::new(context, shown, device, destroy).map(|app| Box::new(app) as Box<dyn eframe::App>)
         });
         // What draws the window may panic on a device that is gone, before it hears that it is.
         let closed = catch_unwind(AssertUnwindSafe(|| eframe::run_native("mtess", options(), made)));
@@ -84,17 +96,18 @@ pub fn open(viewer: Viewer, save: Save, lose_after: Option<u32>) -> Result<Viewe
             closed.map_err(|error| ViewError::NoWindow(plainly(&error)))?;
             break;
         }
-        if losses >= LOSSES_MAX {
-            return Err(ViewError::Lost(losses + 1));
+        losses = if begun.elapsed() > LASTING { 1 } else { losses + 1 };
+        if losses > LOSSES_MAX {
+            return Err(ViewError::Lost(losses));
         }
     }
-    let held = shelf.take();
-    held.map(|held| held.viewer).ok_or_else(|| ViewError::NoWindow("it ended before it began".into()))
+    let held = Rc::try_unwrap(held).map_err(|_| ViewError::NoWindow("it was closed, but not given back".into()))?;
+    Ok(held.into_inner().viewer)
 }
 
 fn options() -> eframe::NativeOptions {
     let setup = WgpuSetupCreateNew {
-        device_descriptor: Arc::new(render::Stage::wish),
+        device_descriptor: Arc::new(render::Stage::device_descriptor),
         ..WgpuSetupCreateNew::without_display_handle()
     };
     eframe::NativeOptions {

@@ -1,6 +1,6 @@
 //! Lines that are drawn over a view: spheres of nodes, and the chain that refining one of them forces.
 
-use crate::play::{NodeFacts, Picked};
+use crate::any_view::{NodeFacts, Picked};
 use glam::Vec3;
 use render::{Rgba, Scene, Segment};
 use std::f32::consts::TAU;

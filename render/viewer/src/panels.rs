@@ -1,10 +1,11 @@
 //! The panels: what is chosen, what is asked, what is shown, time, and what was pointed at.
 
+use crate::any_view::{NodeFacts, Picked};
+use crate::ask::Ask;
 use crate::keys::{Action, BINDINGS, HELD, written};
 use crate::pane::Choice;
 use crate::pilot::Flight;
-use crate::play::{NodeFacts, Picked};
-use crate::viewer::Viewer;
+use crate::viewer::{Viewer, operators};
 use eframe::egui::{Align2, ComboBox, Grid, Response, ScrollArea, Slider, SliderClamping, Ui, Window};
 use papers::study::{CriterionKind, DependencyKind, StrategyKind};
 use render::Tint;
@@ -69,7 +70,7 @@ fn choice(ui: &mut Ui, viewer: &mut Viewer, pressed: &mut Vec<Action>) {
     let (made_by, chosen) = (subject.made_by.clone(), pane.chosen().clone());
     ui.weak(format!("{} triangles, pane {} of {}", subject.extent.cells, viewer.active + 1, viewer.panes.len()));
     let as_it_came = |operator: &Option<String>| operator.clone().unwrap_or_else(|| format!("{made_by} (as it came)"));
-    let operators = viewer.operators();
+    let operators = operators();
     if let Some(operator) = list(ui, "operator", &operators, &chosen.operator, as_it_came) {
         viewer.choose(viewer.active, Choice { operator, ..chosen.clone() });
     }
@@ -102,21 +103,17 @@ fn question(ui: &mut Ui, viewer: &mut Viewer) {
         ask.strategy = strategy;
     }
     ui.spacing_mut().slider_width = 130.0;
-    let share =
-        |value, from: f32, to: f32| Slider::new(value, from..=to).logarithmic(true).clamping(SliderClamping::Always);
-    match ask.criterion {
-        CriterionKind::Budget => {
-            ui.add(Slider::new(&mut ask.cells, 1..=cells).logarithmic(true).text("triangles"));
+    // What came from a key or an option is left as it is.
+    let slider = |value, range| Slider::new(value, range).logarithmic(true).clamping(SliderClamping::Edits);
+    if ask.criterion == CriterionKind::Budget {
+        ui.add(Slider::new(&mut ask.cells, 1..=cells).logarithmic(true).text("triangles"));
+    } else if ask.is_spatial() {
+        ui.add(slider(&mut ask.error_share, Ask::SHARES).text("of diagonal"));
+        if ask.criterion == CriterionKind::Region {
+            ui.add(slider(&mut ask.region_share, 1e-3..=1.0).text("half side"));
         }
-        CriterionKind::Uniform | CriterionKind::Features | CriterionKind::Visual | CriterionKind::Region => {
-            ui.add(share(&mut ask.error_share, 1e-7, 1.0).text("of diagonal"));
-            if ask.criterion == CriterionKind::Region {
-                ui.add(share(&mut ask.region_share, 1e-3, 1.0).text("half side"));
-            }
-        }
-        _ => {
-            ui.add(share(&mut ask.error_px, 1e-2, 1e2).text("pixels"));
-        }
+    } else {
+        ui.add(slider(&mut ask.error_px, Ask::PIXELS).text("pixels"));
     }
 }
 
@@ -132,7 +129,7 @@ fn camera(ui: &mut Ui, viewer: &mut Viewer, pressed: &mut Vec<Action>) {
         let label = if viewer.is_recording { "Stop" } else { "Record" };
         button(ui, label, Action::Record, pressed);
         let label = if viewer.following.is_some() { "Stop following" } else { "Follow" };
-        button(ui, label, Action::Play, pressed);
+        button(ui, label, Action::Follow, pressed);
         button(ui, "Save path", Action::SavePath, pressed);
     });
     if !viewer.path.is_empty() {
@@ -164,7 +161,7 @@ fn time(ui: &mut Ui, viewer: &mut Viewer, pressed: &mut Vec<Action>) {
         button(ui, "Now", Action::Now, pressed);
     });
     let pane = &mut viewer.panes[viewer.active];
-    let (mut at, count) = (pane.play.at(), pane.play.log().steps.len());
+    let (mut at, count) = (pane.view.at(), pane.view.log().steps.len());
     let slider = Slider::new(&mut at, 0..=count).text(format!("of {count} steps"));
     if ui.add(slider).changed() {
         pane.seek(at);

@@ -18,15 +18,19 @@ pub struct Hit {
 /// The nearest triangle under a place in the picture, in pixels from its upper left corner. O(triangles of the view).
 pub fn pick(places: &Places, camera: &Camera, pixel: Vec2) -> Option<Hit> {
     let direction = ray(camera, pixel);
+    // What lies before the near plane is not drawn.
+    let nearest_seen = f64::from(camera.near) / direction.dot(camera.direction().as_dvec3()).max(f64::MIN_POSITIVE);
     let eye = (camera.eye - places.origin()).as_dvec3();
     let mut nearest: Option<(f64, Hit)> = None;
     for (placed, corners) in places.triangles() {
         let at = corners.map(|corner| Vec3::from_array(corner.position).as_dvec3());
-        let Some((distance, weights)) = meet(eye, direction, at) else { continue };
+        let Some(distance) = meet(eye, direction, at).filter(|&distance| distance >= nearest_seen) else { continue };
         if nearest.is_none_or(|(least, _)| distance < least) {
-            let most = (0..3).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or(0);
-            let place = (eye + direction * distance).as_vec3() + places.origin();
-            nearest = Some((distance, Hit { placed, corner: placed.corners[most], at: place }));
+            let place = eye + direction * distance;
+            let away = |i: &usize| at[*i].distance_squared(place);
+            let corner = (0..3).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(0);
+            let hit = Hit { placed, corner: placed.corners[corner], at: place.as_vec3() + places.origin() };
+            nearest = Some((distance, hit));
         }
     }
     nearest.map(|(_, hit)| hit)
@@ -44,8 +48,8 @@ fn ray(camera: &Camera, pixel: Vec2) -> DVec3 {
     direction.as_dvec3().normalize_or_zero()
 }
 
-/// How far along a ray it meets a triangle, from either side, and the barycentric coordinates there.
-fn meet(eye: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<(f64, [f64; 3])> {
+/// How far along a ray it meets a triangle, from either side.
+fn meet(eye: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
     let (along, aside) = (b - a, c - a);
     let across = direction.cross(aside);
     let volume = along.dot(across);
@@ -58,7 +62,7 @@ fn meet(eye: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<(f64, [f6
     let w = direction.dot(turned) / volume;
     let distance = aside.dot(turned) / volume;
     let inside = v >= 0.0 && w >= 0.0 && v + w <= 1.0 && distance > 0.0;
-    inside.then_some((distance, [1.0 - v - w, v, w]))
+    inside.then_some(distance)
 }
 
 #[cfg(test)]

@@ -73,7 +73,9 @@ impl Pilot {
 
     /// Back to where all is seen.
     pub fn fit(&mut self) {
-        self.try_to(Camera::around(self.low, self.high, -self.camera.direction()));
+        let around = Camera::around(self.low, self.high, -self.camera.direction());
+        // Straight up stays up, however steeply it looks.
+        self.try_to(Camera { up: self.camera.up, ..around });
     }
 
     /// A drag by so many radians: about the target, or about the eye.
@@ -106,11 +108,6 @@ impl Pilot {
         let [least, most] = DISTANCES.map(|share| share * self.radius);
         let length = (self.camera.eye.distance(self.camera.target) * factor).clamp(least, most);
         self.try_to(Camera { eye: self.camera.target - self.camera.direction() * length, ..self.camera });
-    }
-
-    /// Looks at a point from where it is.
-    pub fn look_at(&mut self, target: Vec3) {
-        self.try_to(Camera { target, ..self.camera });
     }
 
     /// Where that can be looked through and is not lost in space; else stays.
@@ -166,7 +163,7 @@ mod tests {
             pilot.turn(Vec2::new(x, x));
             pilot.slide(Vec3::splat(x));
             pilot.zoom(x);
-            pilot.look_at(Vec3::splat(x));
+            pilot.set(&Camera { target: Vec3::splat(x), ..pilot.camera([9, 9]) });
             pilot.set(&Camera { eye: Vec3::splat(x), ..pilot.camera([9, 9]) });
             assert_eq!(pilot.camera([0, 100_000]).check(), Ok(()), "{x}");
         }

@@ -4,19 +4,21 @@ use crate::pane::Pane;
 use crate::viewer::Viewer;
 use mt_core::Camera;
 use papers::study::{CriterionKind, DependencyKind, StrategyKind};
+use render::Tint;
 use serde_json::{Value, json};
 
 /// A file to be written: its ending, and its bytes.
 pub type File = (&'static str, Vec<u8>);
 
-/// Writes files that belong together under one new name, that tells what they are; gives the name, or says why not.
-pub type Save = Box<dyn FnMut(&str, &[File]) -> Result<String, String>>;
+/// Writes files that belong together under one new name, that tells of which model they are and what; gives the name, or says
+/// why not.
+pub type Save = Box<dyn FnMut(usize, &str, &[File]) -> Result<String, String>>;
 
 /// What is beside a picture: model, question, camera, counts, and the command that makes it again where one does.
 pub fn facts(viewer: &Viewer, pane: &Pane, camera: &Camera) -> Value {
     let subject = viewer.subject(pane);
-    let [refined, nodes] = pane.play.nodes();
-    let (log, ask) = (pane.play.log(), &viewer.ask);
+    let [refined, nodes] = pane.view.nodes();
+    let (log, ask) = (pane.view.log(), &viewer.ask);
     json!({
         "model": subject.name,
         "operator": pane.choice.operator.as_ref().unwrap_or(&subject.made_by),
@@ -36,12 +38,14 @@ pub fn facts(viewer: &Viewer, pane: &Pane, camera: &Camera) -> Value {
         "frozen": viewer.frozen.is_some(),
         "camera": camera,
         "eye": viewer.frozen.unwrap_or(*camera),
-        "triangles": pane.play.places().triangle_count(),
+        "triangles": pane.view.places().triangle_count(),
         "triangles_in": subject.extent.cells,
         "nodes_refined": refined,
         "nodes": nodes,
-        "steps_taken": pane.play.at(),
+        "steps_taken": pane.view.at(),
         "steps_in_log": log.steps.len(),
+        "log_is_whole": pane.view.is_log_whole(),
+        "held": pane.is_held,
         "picked": pane.picked.as_ref().map(|picked| json!({
             "cell": picked.placed.cell,
             "corner": picked.corner,
@@ -67,39 +71,35 @@ pub fn picture(viewer: &Viewer, pane: &Pane, camera: &Camera, png: Vec<u8>) -> V
 /// The command that draws the picture again, with `NAME` for the name of its files. None where the mesh depends on what was
 /// there before, or where no option asks for the same.
 fn command(viewer: &Viewer, pane: &Pane) -> Option<String> {
-    let ask = &viewer.ask;
-    let memoryless = matches!(ask.strategy, StrategyKind::Incremental | StrategyKind::TopDown | StrategyKind::Priority);
-    if ask.criterion != CriterionKind::Screen || !memoryless || pane.is_held {
+    let (ask, shown) = (&viewer.ask, &viewer.shown);
+    let is_static = match pane.choice.dependency {
+        DependencyKind::Cells => true,
+        DependencyKind::Scheme(scheme) => scheme.is_static(),
+    };
+    let goes_afresh = match ask.strategy {
+        StrategyKind::TopDown => true,
+        // All ways lead to the same front of a static order.
+        StrategyKind::Incremental | StrategyKind::Priority => is_static,
+        _ => false,
+    };
+    // The last steps are known to the window alone, and so is what was pointed at.
+    let is_told = shown.tint != Tint::Operations && pane.picked.is_none() && !pane.is_held;
+    if ask.criterion != CriterionKind::Screen || !goes_afresh || !is_told {
         return None;
     }
-    let subject = viewer.subject(pane);
-    let mut words = vec![format!("mtess render {}", quoted(&subject.name))];
-    match (&pane.choice.operator, pane.choice.dependency) {
-        (None, dependency) if dependency == subject.choice.dependency => {}
-        (_, DependencyKind::Cells) => return None,
-        (operator, DependencyKind::Scheme(scheme)) => {
-            words.extend(operator.iter().map(|operator| format!("--operator {operator}")));
-            words.push(format!("--dependency {scheme}"));
-        }
-    }
+    let mut words = vec![format!("mtess render {}", (viewer.subject(pane).words)(&pane.choice)?)];
     let eye = if viewer.frozen.is_some() { "eye" } else { "camera" };
     words.push(format!("--camera NAME.{eye}.json --pixels {}", ask.error_px));
     words.extend(viewer.frozen.map(|_| "--look-from NAME.camera.json --frustum".to_owned()));
-    let shown = &viewer.shown;
+    let has_pieces = shown.pieces && pane.has_pieces();
     let overlays = [
-        (shown.wire, "wireframe"),
+        (shown.wire && !has_pieces, "wireframe"),
         (shown.edges, "boundary"),
         (shown.outline, "outline"),
-        (shown.pieces, "pieces"),
-        (shown.tint != render::Tint::Plain && !shown.pieces, shown.tint.name()),
+        (has_pieces, "pieces"),
+        (shown.tint != Tint::Plain && !has_pieces, shown.tint.name()),
     ];
     words.extend(overlays.iter().filter(|(on, _)| *on).map(|(_, name)| format!("--overlay {name}")));
     words.push("-o NAME.again.png".into());
     Some(words.join(" "))
-}
-
-/// A file's name as a shell takes it.
-fn quoted(name: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+".contains(c);
-    if name.chars().all(plain) { name.to_owned() } else { format!("'{}'", name.replace('\'', "'\\''")) }
 }

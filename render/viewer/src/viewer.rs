@@ -7,11 +7,11 @@ use crate::pane::{Choice, FrameFacts, Make, Pane, Subject};
 use crate::pick::pick;
 use crate::pilot::{Flight, Pilot};
 use glam::{Vec2, Vec3};
-use mt_core::{Camera, Cell};
+use mt_core::Camera;
 use operators::AnyOperator;
 use papers::study::{CriterionKind, DependencyKind, StrategyKind};
-use render::{Edges, Legend, Rgba, Scene, Tint};
-use std::collections::{HashSet, VecDeque};
+use render::{Edges, Rgba, Scene, Tint};
+use std::collections::VecDeque;
 use std::time::Duration;
 
 /// Frames that the graph remembers.
@@ -77,6 +77,25 @@ pub struct Viewer {
     /// Whether the keys are shown.
     pub is_help_shown: bool,
     last_eye: Vec3,
+    /// Whether the eye moved since the frame before: a criterion for motion asks again when it stopped.
+    has_moved: bool,
+    /// The pane that went when there was to be one only.
+    parked: Option<Pane>,
+}
+
+/// What an action leaves to whoever has files and a window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Chore {
+    /// Write the picture of the pane.
+    Picture,
+    /// Write a picture of the window.
+    Window,
+    /// Write the camera path.
+    Path,
+    /// Write the log.
+    Log,
+    /// Close the window.
+    Close,
 }
 
 impl Viewer {
@@ -105,6 +124,8 @@ impl Viewer {
             message: String::new(),
             is_help_shown: false,
             last_eye,
+            has_moved: false,
+            parked: None,
         }
     }
 
@@ -113,8 +134,8 @@ impl Viewer {
         &self.subjects[pane.model]
     }
 
-    /// Takes what is ready, moves along the path, and brings all panes to what is asked for a picture of this size. Two panes
-    /// work side by side.
+    /// Takes what is ready, moves along path and log, and brings all panes to what is asked for a picture of this size. Two
+    /// panes work side by side.
     pub fn frame(&mut self, size: [u32; 2]) {
         for pane in &mut self.panes {
             if let Err(why) = pane.receive() {
@@ -124,7 +145,7 @@ impl Viewer {
         self.follow();
         if self.is_log_played {
             self.panes.iter_mut().for_each(|pane| pane.frame(true));
-            self.is_log_played = self.panes.iter().any(|pane| pane.play.is_past());
+            self.is_log_played = self.panes.iter().any(|pane| pane.view.is_past());
         }
         let camera = self.camera(size);
         if self.is_recording {
@@ -132,24 +153,19 @@ impl Viewer {
         }
         let eye = self.frozen.unwrap_or(camera);
         let (ask, last) = (self.ask, self.last_eye);
-        self.last_eye = eye.eye;
+        (self.last_eye, self.has_moved) = (eye.eye, last != eye.eye);
         let subjects = &self.subjects;
         let work = |pane: &mut Pane| {
             let asked = ask.of(&subjects[pane.model].extent, &eye, last);
-            pane.adapt(&ask, &asked, &eye)
+            pane.adapt(&ask, &asked, &eye, last);
         };
-        let changed: Vec<bool> = match &mut self.panes[..] {
+        match &mut self.panes[..] {
             [one, other] => std::thread::scope(|scope| {
                 let beside = scope.spawn(|| work(other));
-                let first = work(one);
-                vec![first, beside.join().unwrap_or(true)]
+                work(one);
+                beside.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
             }),
-            panes => panes.iter_mut().map(work).collect(),
-        };
-        for (pane, changed) in self.panes.iter_mut().zip(changed) {
-            if changed && pane.facts.outcome.refined + pane.facts.outcome.coarsened > 0 {
-                pane.picked = None;
-            }
+            panes => panes.iter_mut().for_each(work),
         }
     }
 
@@ -172,36 +188,27 @@ impl Viewer {
     /// Colours the triangles of a pane, and gives what else is drawn of it as `camera` sees it. Dual pieces are for
     /// [`Pane::pieces`] to tell, but for their lines.
     pub fn scene(&mut self, pane: usize, camera: &Camera) -> Scene {
-        let eye = self.frozen.unwrap_or(*camera);
         let (shown, frozen) = (self.shown, self.frozen);
-        let subject = &self.subjects[self.panes[pane].model];
-        let asked = self.ask.of(&subject.extent, &eye, eye.eye);
         let pane = &mut self.panes[pane];
-        let lines = if shown.pieces { pane.pieces().scene.as_ref().map(|pieces| pieces.marks.clone()) } else { None };
-        let Pane { play, picked, .. } = pane;
-        let nothing = HashSet::new();
-        let marked = picked.as_ref().map_or(&nothing, |picked| &picked.replaced);
-        let legend = play.tint(shown.tint, &asked, marked);
-        // Pieces have a colour of their own, and their triangles are no cells.
-        let wire = shown.wire && lines.is_none();
-        let legend = legend.filter(|_| lines.is_none());
-        let mut scene = plain_scene(play.places().origin(), wire, legend);
-        scene.marks = lines.unwrap_or_default();
-        if shown.edges || shown.outline {
-            let cells: Vec<Cell<3>> = play.places().triangles().map(|(placed, _)| placed.corners).collect();
-            if shown.outline {
-                scene.add_edges(play.positions(), &cells, Edges::Outline(camera.eye));
-            }
-            if shown.edges {
-                let boundary = play.boundary();
-                let which = boundary.as_ref().map_or(Edges::Boundary, Edges::Cracks);
-                scene.add_edges(play.positions(), &cells, which);
-            }
+        let extent = &self.subjects[pane.model].extent;
+        let legend = pane.tint(shown.tint);
+        let lines = if shown.pieces { pane.pieces().map(|pieces| pieces.marks.clone()) } else { None };
+        let origin = pane.view.places().origin();
+        // Pieces have colours of their own, and their triangles are no cells.
+        let mut scene = match lines {
+            Some(marks) => Scene { origin, marks, ..Scene::default() },
+            None => Scene { origin, wire: shown.wire.then_some(WIRE), legend, ..Scene::default() },
+        };
+        if shown.outline {
+            scene.add_edges(pane.view.positions(), &pane.cells(), Edges::Outline(camera.eye));
+        }
+        if shown.edges {
+            scene.marks.extend_from_slice(pane.edges());
         }
         if let Some(frozen) = frozen {
-            scene.add_frustum(&frozen, subject.extent.low, subject.extent.high);
+            scene.add_frustum(&frozen, extent.low, extent.high);
         }
-        if let Some(picked) = picked {
+        if let Some(picked) = &pane.picked {
             add_picked(&mut scene, picked);
         }
         scene
@@ -210,14 +217,15 @@ impl Viewer {
     /// Points at what lies under a pixel of a pane.
     pub fn pick(&mut self, pane: usize, camera: &Camera, pixel: Vec2) {
         self.active = pane;
-        let Pane { play, picked, .. } = &mut self.panes[pane];
-        *picked = pick(play.places(), camera, pixel).map(|hit| play.pick(hit.placed, hit.corner));
+        let Pane { view, picked, .. } = &mut self.panes[pane];
+        *picked = pick(view.places(), camera, pixel).map(|hit| view.pick(hit.placed, hit.corner));
         self.message = if picked.is_none() { "nothing is there".into() } else { String::new() };
     }
 
-    /// Does what needs neither window nor file; whether it was that.
-    pub fn act(&mut self, action: Action, size: [u32; 2]) -> bool {
+    /// Does what needs neither window nor file, in a picture of this size; what is left to do.
+    pub fn act(&mut self, action: Action, size: [u32; 2]) -> Option<Chore> {
         self.message.clear();
+        let each = |panes: &mut [Pane], go: fn(&mut Pane)| panes.iter_mut().for_each(go);
         match action {
             Action::Help => self.is_help_shown ^= true,
             Action::Freeze => self.freeze(size),
@@ -240,24 +248,26 @@ impl Viewer {
             Action::Coarser => self.pace(PACE),
             Action::Split => self.split(),
             Action::OtherPane => self.active = (self.active + 1) % self.panes.len(),
-            Action::StepBack => self.panes.iter_mut().for_each(|pane| pane.step(-1)),
-            Action::StepForward => self.panes.iter_mut().for_each(|pane| pane.step(1)),
-            Action::FrameBack => self.panes.iter_mut().for_each(|pane| pane.frame(false)),
-            Action::FrameForward => self.panes.iter_mut().for_each(|pane| pane.frame(true)),
+            Action::StepBack => each(&mut self.panes, |pane| pane.step(-1)),
+            Action::StepForward => each(&mut self.panes, |pane| pane.step(1)),
+            Action::FrameBack => each(&mut self.panes, |pane| pane.frame(false)),
+            Action::FrameForward => each(&mut self.panes, |pane| pane.frame(true)),
             Action::PlayLog => self.play_log(),
-            Action::Now => self.panes.iter_mut().for_each(Pane::go_on),
+            Action::Now => each(&mut self.panes, Pane::go_on),
             Action::Record => self.record(),
-            Action::Play => self.play(),
-            Action::Unpick => self.panes.iter_mut().for_each(|pane| pane.picked = None),
+            Action::Follow => self.follow_path(),
+            Action::Unpick => each(&mut self.panes, |pane| pane.picked = None),
             Action::Pick => {
                 let camera = self.camera(size);
                 self.pick(self.active, &camera, Vec2::new(size[0] as f32, size[1] as f32) * 0.5);
             }
-            Action::SavePicture | Action::SaveWindow | Action::SavePath | Action::SaveLog | Action::Quit => {
-                return false;
-            }
+            Action::SavePicture => return Some(Chore::Picture),
+            Action::SaveWindow => return Some(Chore::Window),
+            Action::SavePath => return Some(Chore::Path),
+            Action::SaveLog => return Some(Chore::Log),
+            Action::Quit => return Some(Chore::Close),
         }
-        true
+        None
     }
 
     fn freeze(&mut self, size: [u32; 2]) {
@@ -275,14 +285,8 @@ impl Viewer {
     }
 
     fn next_operator(&mut self) {
-        let names = self.operators();
         let chosen = self.panes[self.active].chosen().clone();
-        self.choose(self.active, Choice { operator: next(&names, chosen.operator.clone(), 1), ..chosen });
-    }
-
-    /// The operators there are; none stands for the model as it came.
-    pub fn operators(&self) -> Vec<Option<String>> {
-        std::iter::once(None).chain(AnyOperator::NAMES.map(|name| Some(name.to_owned()))).collect()
+        self.choose(self.active, Choice { operator: next(&operators(), chosen.operator.clone(), 1), ..chosen });
     }
 
     /// Has another view made for a pane.
@@ -291,31 +295,25 @@ impl Viewer {
     }
 
     fn pace(&mut self, factor: f32) {
-        let Ask { criterion, error_px, error_share, cells, .. } = &mut self.ask;
-        match criterion {
-            CriterionKind::Budget => *cells = ((*cells as f32 / factor) as u32).max(1),
-            CriterionKind::Uniform | CriterionKind::Region | CriterionKind::Features | CriterionKind::Visual => {
-                *error_share = (*error_share * factor).clamp(1e-7, 1.0);
-            }
-            _ => *error_px = (*error_px * factor).clamp(1e-3, 1e3),
+        let ask = &mut self.ask;
+        if ask.criterion == CriterionKind::Budget {
+            ask.cells = ((ask.cells as f32 / factor) as u32).max(1);
+        } else if ask.is_spatial() {
+            ask.error_share = (ask.error_share * factor).clamp(*Ask::SHARES.start(), *Ask::SHARES.end());
+        } else {
+            ask.error_px = (ask.error_px * factor).clamp(*Ask::PIXELS.start(), *Ask::PIXELS.end());
         }
     }
 
-    /// A second pane of the same model, which begins as the first one came; or one pane again.
+    /// One pane, or the one that went before beside it again, or else another view of the same model.
     fn split(&mut self) {
         if self.panes.len() == 2 {
-            self.panes.truncate(1);
-            self.active = 0;
-            return;
+            self.parked = self.panes.pop();
+        } else {
+            let other = self.parked.take().unwrap_or_else(|| self.panes[0].beside());
+            self.panes.push(other);
         }
-        let Pane { model, choice, .. } = &self.panes[0];
-        match (self.make)(*model, choice) {
-            Ok(play) => {
-                self.panes.push(Pane::new(*model, choice.clone(), play));
-                self.active = 1;
-            }
-            Err(why) => self.message = why,
-        }
+        self.active = self.panes.len() - 1;
     }
 
     fn record(&mut self) {
@@ -329,12 +327,12 @@ impl Viewer {
     /// From where the panes are, or from the beginning where all are at the end.
     fn play_log(&mut self) {
         self.is_log_played ^= true;
-        if self.is_log_played && self.panes.iter().all(|pane| !pane.play.is_past()) {
+        if self.is_log_played && self.panes.iter().all(|pane| !pane.view.is_past()) {
             self.panes.iter_mut().for_each(|pane| pane.seek(0));
         }
     }
 
-    fn play(&mut self) {
+    fn follow_path(&mut self) {
         self.is_recording = false;
         self.following = match self.following {
             Some(_) => None,
@@ -351,6 +349,7 @@ impl Viewer {
         self.following.is_some()
             || self.is_recording
             || self.is_log_played
+            || self.has_moved
             || self.panes.iter().any(|pane| pane.waits().is_some() || !pane.facts.outcome.complete)
     }
 
@@ -369,8 +368,9 @@ fn next<T: PartialEq + Clone>(all: &[T], at: T, by: isize) -> T {
     all[place.rem_euclid(all.len() as isize) as usize].clone()
 }
 
-const WIRE: Rgba = [38, 36, 34, 255];
-
-fn plain_scene(origin: Vec3, wire: bool, legend: Option<Legend>) -> Scene {
-    Scene { origin, wire: wire.then_some(WIRE), legend, ..Scene::default() }
+/// The operators there are; none stands for the model as it came.
+pub(crate) fn operators() -> Vec<Option<String>> {
+    std::iter::once(None).chain(AnyOperator::NAMES.map(|name| Some(name.to_owned()))).collect()
 }
+
+const WIRE: Rgba = [38, 36, 34, 255];

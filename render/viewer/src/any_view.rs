@@ -4,12 +4,12 @@ use crate::ask::Asked;
 use glam::Vec3;
 use mt_core::hierarchy::Dependency;
 use mt_core::log::{Log, LogError};
-use mt_core::model::mesh_of;
+use mt_core::model::{mesh_of, take};
 use mt_core::{Bound, Cell, CellId, Hierarchy, Mesh, MultiTessellation, NodeId, Rule, Sink, Step, VertexId};
 use operators::order::Visit;
 use papers::study::StrategyKind;
-use render::{Inspect, Legend, LiveMesh, Look, Placed, Places, Scene, Seen, Tint};
-use selective::{Criterion, Hysteresis, OnPath, Outcome, State, Strategy, adapt, approach, extract};
+use render::{Index, Inspect, Legend, LiveMesh, Look, Placed, Places, Scene, Seen, Tint};
+use selective::{Criterion, Outcome, Pace, State, Strategy, adapt, approach, extract};
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -19,8 +19,8 @@ const STEPS_KEPT: usize = 8_000_000;
 const CHAIN_SHOWN: usize = 64;
 
 /// A view that a window shows, whatever its model.
-pub trait Play: Send {
-    /// Brings the mesh to what is asked. If a log was gone back in, what came after is forgotten.
+pub trait AnyView: Send {
+    /// Brings the mesh to what is asked, from the end of the log.
     fn adapt(&mut self, asked: &Asked) -> Outcome;
     /// The steps so far, frame by frame.
     fn log(&self) -> &Log;
@@ -36,8 +36,11 @@ pub trait Play: Send {
     fn places(&self) -> &Places;
     /// The same, for whoever sends them to a device.
     fn places_mut(&mut self) -> &mut Places;
-    /// Colours the triangles, and those of `marked` in a colour of their own.
-    fn tint(&mut self, tint: Tint, asked: &Asked, marked: &HashSet<CellId>) -> Option<Legend>;
+    /// Another view of the same model: its base mesh.
+    fn beside(&self) -> Box<dyn AnyView>;
+    /// Colours the triangles, and those of `marked` in a colour of their own. What is forced is judged by the question that
+    /// was answered last.
+    fn tint(&mut self, tint: Tint, marked: &HashSet<CellId>) -> Option<Legend>;
     /// What a triangle is, at one of its corners.
     fn pick(&self, placed: Placed, corner: VertexId) -> Picked;
     /// The mesh by itself. O(vertices of the model).
@@ -105,41 +108,43 @@ impl<M: MultiTessellation<3>> AsRef<[Vec3]> for PositionsOf<M> {
 struct Player<M: Inspect> {
     model: Arc<M>,
     state: State<3, M, LiveMesh<PositionsOf<M>>>,
-    index: M::Index,
+    index: Index<M>,
     log: Log,
     is_log_whole: bool,
     at: usize,
-    /// The steps of the last frame.
+    /// The steps that led here from the frame before, or from where in the log the view was.
     last: Vec<Step>,
-    /// Found when somebody asks.
-    levels: Vec<u32>,
+    /// What was answered last.
+    asked: Option<Asked>,
     is_plain: bool,
+    steps_kept: usize,
 }
 
 /// A view of an explicit model, or of any other that is shared: its base mesh, drawn relative to `origin`.
-pub fn play<M: Inspect + Send + Sync + 'static>(model: Arc<M>, origin: Vec3) -> Box<dyn Play> {
+pub fn view_of<M: Inspect + Send + Sync + 'static>(model: Arc<M>, origin: Vec3) -> Box<dyn AnyView> {
     let live = LiveMesh::new(PositionsOf(Arc::clone(&model)), model.cell_capacity(), origin, Look::default().material);
     let state = State::new(&*model, live);
     Box::new(Player {
-        index: model.index(),
+        index: Index::of(&*model),
         log: Log::new(model.len()),
         is_log_whole: true,
         at: 0,
         last: Vec::new(),
-        levels: Vec::new(),
+        asked: None,
         is_plain: true,
+        steps_kept: STEPS_KEPT,
         state,
         model,
     })
 }
 
 /// A view of a hierarchy, drawn relative to this point, whatever its dependencies.
-pub struct PlayFrom(pub Vec3);
+pub struct ViewFrom(pub Vec3);
 
-impl Visit for PlayFrom {
-    type Output = Box<dyn Play>;
-    fn visit<D: Dependency + Send + Clone + 'static>(self, model: &Hierarchy<D>) -> Box<dyn Play> {
-        play(Arc::new(model.clone()), self.0)
+impl Visit for ViewFrom {
+    type Output = Box<dyn AnyView>;
+    fn visit<D: Dependency + Send + Clone + 'static>(self, model: &Hierarchy<D>) -> Box<dyn AnyView> {
+        view_of(Arc::new(model.clone()), self.0)
     }
 }
 
@@ -150,14 +155,26 @@ impl<M: Inspect> Player<M> {
         let (target, outcome) = extract(model, &asked.wish, &asked.limits, strategy, ());
         match M::RULE {
             Rule::Static => _ = approach(model, target.front(), &mut self.state),
-            // Fronts need have no legal way between them: down to the base mesh in the order of the analysis, and up again.
+            // Fronts need have no legal way between them, so the log begins anew.
             Rule::Dynamic => {
-                let front = self.state.view.front.clone();
-                front.finest_first().for_each(|m| self.state.take(model, Step::coarsen(m)));
-                target.steps.iter().for_each(|&step| self.state.take(model, step));
+                self.restart(Log::new(self.model.len()));
+                target.steps.iter().for_each(|&step| self.state.take(&*self.model, step));
             }
         }
-        outcome
+        // What was done is the way between two meshes; what the extraction forced is another count.
+        let refined = self.state.steps.iter().filter(|step| step.refined).count() as u32;
+        let steps = self.state.steps.len() as u32;
+        let way = Outcome { refined, coarsened: steps - refined, singles: steps, ..Outcome::default() };
+        Outcome { complete: outcome.complete, ..way }
+    }
+
+    /// Down to the base mesh, and at the beginning of a log. Any front goes away in the order of the analysis.
+    fn restart(&mut self, log: Log) {
+        let front = self.state.view.front.clone();
+        front.finest_first().for_each(|m| self.state.take(&*self.model, Step::coarsen(m)));
+        self.state.steps.clear();
+        self.last.clear();
+        (self.log, self.at, self.is_log_whole) = (log, 0, true);
     }
 
     /// Adds the steps of a frame to the log.
@@ -168,8 +185,8 @@ impl<M: Inspect> Player<M> {
             return;
         }
         self.log.push(&self.last);
-        if self.log.steps.len() > STEPS_KEPT {
-            let frame = self.log.frame_of(STEPS_KEPT / 2);
+        if self.log.steps.len() > self.steps_kept {
+            let frame = self.log.frame_of(self.steps_kept / 2);
             let cut = self.log.frame_ends[frame];
             self.log.steps.drain(..cut);
             self.log.frame_ends.drain(..=frame);
@@ -177,6 +194,22 @@ impl<M: Inspect> Player<M> {
             self.is_log_whole = false;
         }
         self.at = self.log.steps.len();
+    }
+
+    /// Whether a node was asked for by the question that was answered last, as it was answered.
+    fn asks(&self, m: NodeId) -> bool {
+        let Some(asked) = &self.asked else { return true };
+        let bound = |m| self.model.bound(m);
+        match asked.strategy {
+            StrategyKind::Hysteresis => asked.lasting().asks(&bound(m), true),
+            StrategyKind::Dual | StrategyKind::DualDistance | StrategyKind::Coarse => {
+                let wish = asked.on_path();
+                let last = *self.model.run(m).end();
+                let as_one = wish.pace(&bound(last)) == Pace::Whole;
+                wish.asks(&bound(m), true) || as_one && wish.asks(&bound(last), true)
+            }
+            _ => asked.wish.asks(&bound(m), true),
+        }
     }
 
     fn facts(&self, node: NodeId) -> NodeFacts {
@@ -208,58 +241,52 @@ impl<M: Inspect> Player<M> {
         copy.sink = Replaced::default();
         copy.force(&*self.model, node);
         let chain = copy.steps.iter().map(|step| step.node).collect();
-        (chain, copy.sink.0)
+        (chain, copy.sink.gone)
     }
 }
 
-/// Hears which triangles are replaced or changed.
+/// Hears which triangles of the mesh as it was are replaced or changed.
 #[derive(Default)]
-struct Replaced(HashSet<CellId>);
+struct Replaced {
+    gone: HashSet<CellId>,
+    /// Those that were not there before.
+    made: HashSet<CellId>,
+}
 
 impl Sink<3> for Replaced {
     fn kill(&mut self, cell: CellId) {
-        self.0.insert(cell);
+        if !self.made.remove(&cell) {
+            self.gone.insert(cell);
+        }
     }
-    fn make(&mut self, _: CellId, _: Cell<3>) {}
+    fn make(&mut self, cell: CellId, _: Cell<3>) {
+        self.made.insert(cell);
+    }
     fn relabel(&mut self, cell: CellId, _: Cell<3>) {
-        self.0.insert(cell);
+        if !self.made.contains(&cell) {
+            self.gone.insert(cell);
+        }
     }
 }
 
 /// Triangles that steps would replace.
 const MARKED: [u8; 4] = [250, 208, 60, 255];
 
-impl<M: Inspect + Send + Sync> Play for Player<M> {
+impl<M: Inspect + Send + Sync + 'static> AnyView for Player<M> {
     fn adapt(&mut self, asked: &Asked) -> Outcome {
-        self.log.steps.truncate(self.at);
-        self.log.frame_ends.retain(|&end| end <= self.at);
-        if self.log.frame_ends.last().copied().unwrap_or(0) < self.at {
-            self.log.frame_ends.push(self.at);
-        }
-        self.state.steps.clear();
-        let wish = &asked.wish;
+        self.seek(usize::MAX);
+        let (model, state, limits) = (&*self.model, &mut self.state, &asked.limits);
         let outcome = match asked.strategy {
             StrategyKind::TopDown => self.answer_afresh(asked, Strategy::TopDown),
             StrategyKind::Priority => self.answer_afresh(asked, Strategy::Priority),
-            StrategyKind::Incremental => adapt(&*self.model, wish, &asked.limits, &mut self.state),
-            StrategyKind::Hysteresis => {
-                let wish = Hysteresis { criterion: wish, margin: asked.margin };
-                adapt(&*self.model, &wish, &asked.limits, &mut self.state)
-            }
+            StrategyKind::Incremental => adapt(model, &asked.wish, limits, state),
+            StrategyKind::Hysteresis => adapt(model, &asked.lasting(), limits, state),
             StrategyKind::Dual | StrategyKind::DualDistance | StrategyKind::Coarse => {
-                adapt(&*self.model, &OnPath { criterion: wish, path: asked.path }, &asked.limits, &mut self.state)
+                adapt(model, &asked.on_path(), limits, state)
             }
-        };
-        let outcome = match asked.strategy {
-            // What was done is the way between two meshes, not the extraction.
-            StrategyKind::TopDown | StrategyKind::Priority => {
-                let refined = self.state.steps.iter().filter(|step| step.refined).count() as u32;
-                let steps = self.state.steps.len() as u32;
-                Outcome { refined, coarsened: steps - refined, runs: 0, singles: steps, ..outcome }
-            }
-            _ => outcome,
         };
         self.keep();
+        self.asked = Some(asked.clone());
         outcome
     }
 
@@ -273,13 +300,7 @@ impl<M: Inspect + Send + Sync> Play for Player<M> {
 
     fn take_log(&mut self, log: Log) -> Result<(), LogError> {
         log.follow(&*self.model)?;
-        // Down to the base mesh, where logs begin: any front goes away in the order of the analysis.
-        let front = self.state.view.front.clone();
-        self.state.steps.clear();
-        front.finest_first().for_each(|m| self.state.take(&*self.model, Step::coarsen(m)));
-        self.state.steps.clear();
-        self.last.clear();
-        (self.log, self.at, self.is_log_whole) = (log, 0, true);
+        self.restart(log);
         Ok(())
     }
 
@@ -289,18 +310,17 @@ impl<M: Inspect + Send + Sync> Play for Player<M> {
 
     fn seek(&mut self, at: usize) {
         let at = at.min(self.log.steps.len());
-        let model = &*self.model;
-        self.state.steps.clear();
-        while self.at < at {
-            self.state.take(model, self.log.steps[self.at]);
-            self.at += 1;
-        }
-        while self.at > at {
-            self.at -= 1;
-            self.state.take(model, self.log.steps[self.at].inverse());
-        }
+        let State { view, sink, .. } = &mut self.state;
         self.last.clear();
-        self.last.append(&mut self.state.steps);
+        while self.at != at {
+            let back = at < self.at;
+            self.at -= usize::from(back);
+            let step = self.log.steps[self.at];
+            let step = if back { step.inverse() } else { step };
+            take(&*self.model, step, view, sink);
+            self.last.push(step);
+            self.at += usize::from(!back);
+        }
     }
 
     fn places(&self) -> &Places {
@@ -311,27 +331,36 @@ impl<M: Inspect + Send + Sync> Play for Player<M> {
         &mut self.state.sink.places
     }
 
-    fn tint(&mut self, tint: Tint, asked: &Asked, marked: &HashSet<CellId>) -> Option<Legend> {
+    fn beside(&self) -> Box<dyn AnyView> {
+        view_of(Arc::clone(&self.model), self.places().origin())
+    }
+
+    fn tint(&mut self, tint: Tint, marked: &HashSet<CellId>) -> Option<Legend> {
         let is_plain = tint == Tint::Plain && marked.is_empty();
+        // What steps make is plain of itself.
         if is_plain && self.is_plain {
             return None;
         }
         self.is_plain = is_plain;
-        if tint == Tint::Level && self.levels.is_empty() {
-            self.levels = render::levels(&*self.model);
-        }
-        let model = &*self.model;
-        let asks = |m: NodeId| asked.wish.asks(&model.bound(m), true);
-        let (places, front) = (&mut self.state.sink.places, &self.state.view.front);
-        let seen = Seen { model, index: &self.index, front, asks: &asks, steps: &self.last, levels: &self.levels };
+        let mut places = std::mem::take(&mut self.state.sink.places);
+        let seen = Seen {
+            model: &*self.model,
+            index: &self.index,
+            front: &self.state.view.front,
+            asks: &|m| self.asks(m),
+            steps: &self.last,
+        };
         let tinting = seen.tinting(tint, places.triangles().map(|(placed, _)| placed), Look::default().material);
         places.recolour(|placed| if marked.contains(&placed.cell) { MARKED } else { tinting.colour(placed) });
-        tinting.legend
+        let legend = tinting.legend;
+        drop(tinting);
+        self.state.sink.places = places;
+        legend
     }
 
     fn pick(&self, placed: Placed, corner: VertexId) -> Picked {
         let (model, front) = (&*self.model, &self.state.view.front);
-        let came_with = model.came_with(&self.index, placed.cell, corner, front);
+        let came_with = self.index.came_with(model, placed.cell, corner, front);
         let refined_by = model.refined_by(placed.cell, corner, front);
         let (ancestors, level) = came_with.map_or((0, 0), |m| self.ancestors(m));
         let (chain, replaced) = refined_by.map_or_else(Default::default, |m| self.chain(m));
@@ -361,12 +390,11 @@ impl<M: Inspect + Send + Sync> Play for Player<M> {
     fn pieces(&self) -> Option<Scene> {
         let above = self.model.pieces(&self.state.view.front)?;
         let input = self.model.input();
-        let width_px = if self.places().triangle_count() > 2000 { 0.5 } else { 1.2 };
-        Some(render::dual_pieces(&input, width_px, |v| above[v.index()]))
+        Some(render::dual_pieces(&input, self.places().origin(), |v| above[v.index()]))
     }
 
     fn boundary(&self) -> Option<HashSet<[VertexId; 2]>> {
-        self.model.boundary_at(&self.index, &self.state.view.front)
+        self.index.boundary_at(&*self.model, &self.state.view.front)
     }
 
     fn nodes(&self) -> [u32; 2] {
