@@ -122,7 +122,7 @@ fn what_a_hierarchy_has_not_is_refused() {
     room.good("build ball.ply -o ball.mt --dependency dual-piece");
     room.refused("history ball.mt -o h.jsonl", "ball.mt: is a vertex hierarchy");
     room.refused("extract ball.mt --error 0.1 --per-cell strict -o x.ply", "ball.mt: is a vertex hierarchy");
-    room.refused("render ball.mt --error 0.1 --overlay level -o x.png", "ball.mt: is a vertex hierarchy");
+    room.refused("render ball.mt --error 0.1 --per-cell strict -o x.png", "ball.mt: is a vertex hierarchy");
     room.refused("verify ball.mt --operator fan-merge", "ball.mt");
     room.refused("build ball.ply -o y.mt --dependency dual-piece --errors measured", "--errors measured");
     // A scheme that does not take the merges is refused before anything is written.
@@ -135,6 +135,12 @@ fn a_hierarchy_is_drawn_certified_and_walked() {
     let room = room();
     room.good("build ball.ply -o ball.mt --dependency dual-piece");
     room.good("render ball.mt --error 0.01 --overlay wireframe --painter cpu --size 64x64 -o ball.png");
+    for overlay in ["error", "level", "normals", "operations", "forced", "fans", "pieces", "boundary"] {
+        let command =
+            format!("render ball.mt --error 0.01 --overlay {overlay} --painter cpu --size 64x64 -o {overlay}.png");
+        room.good(&command);
+        assert!(overlay == "boundary" || room.read(&format!("{overlay}.png")) != room.read("ball.png"), "{overlay}");
+    }
     room.good("extract ball.mt --error 0.01 -o x.ply --certificate why.json");
     room.good("verify ball.mt --certificate why.json");
     room.good("bisect ball.mt --frames 4");

@@ -91,7 +91,9 @@ fn an_input_has_its_ending() {
     }
     assert!(room.refused("build ball.mt -o out.mt", "ball.mt").contains("is a model"));
     assert!(no_model(&room, "mesh.mt").contains("not a .mt file"));
-    for command in READERS.iter().filter(|command| !command.starts_with("verify")) {
+    // These take a mesh and coarsen it themselves.
+    let takes_meshes = |command: &&&str| ["verify", "render", "movie"].iter().any(|name| command.starts_with(name));
+    for command in READERS.iter().filter(|command| !takes_meshes(command)) {
         assert!(room.refused(&command.replace("{}", "ball.ply"), "ball.ply").contains("not a .mt file"));
     }
 }
