@@ -39,6 +39,16 @@ pub fn facets<const N: usize>(cell: &Cell<N>) -> impl Iterator<Item = (Facet<N>,
     (0..N).map(move |i| facet(cell, i))
 }
 
+/// The corners of a triangle after corner `i`, in its turn.
+#[inline]
+pub fn sides(cell: &Cell<3>, i: usize) -> [VertexId; 2] {
+    match i {
+        0 => [cell[1], cell[2]],
+        1 => [cell[2], cell[0]],
+        _ => [cell[0], cell[1]],
+    }
+}
+
 /// Whether all corners differ.
 pub fn is_proper<const N: usize>(cell: &Cell<N>) -> bool {
     (1..N).all(|i| !cell[..i].contains(&cell[i]))

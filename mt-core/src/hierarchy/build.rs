@@ -1,7 +1,7 @@
 //! From a sequence of merges to a replay: the forest, its spans, what each node makes appear, and saturated bounds.
 
-use super::mesh::VertexMesh;
-use super::patch::{PatchBound, Surroundings};
+use super::portion::{Found, Portion, find};
+use super::portions::{Bins, Portions};
 use super::replay::{Born, Merge, Node, Replay, Runs, Span};
 use super::sequence::Sequence;
 use crate::bits::Bits;
@@ -10,6 +10,7 @@ use crate::cell::{Cell, is_proper};
 use crate::id::{CellId, NodeId, VertexId};
 use crate::mesh::Mesh;
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// A sequence that is not one of merges of this mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -81,12 +82,25 @@ pub enum HierarchyError {
     Order(#[from] crate::order::OrderError),
 }
 
+/// Leaves of a portion: what is around so many nearly stays in a cache of half a megabyte, and few merges are across cuts.
+const PORTION: u32 = 4096;
+
 impl Replay {
     /// The replay of a sequence of merges of `mesh`, with the edges by which vertices are neighbours besides
     /// triangles (none for collapses and fans).
     ///
     /// O(vertices + triangles + the stars that the merges change).
     pub fn new(mesh: &Mesh<3>, links: &[Cell<2>], sequence: &Sequence) -> Result<Self, InvalidSequence> {
+        Self::in_portions(mesh, links, sequence, PORTION)
+    }
+
+    /// The same, whatever the number of leaves of a portion.
+    pub(super) fn in_portions(
+        mesh: &Mesh<3>,
+        links: &[Cell<2>],
+        sequence: &Sequence,
+        size: u32,
+    ) -> Result<Self, InvalidSequence> {
         check(mesh, links, sequence)?;
         let merged_at = forest(sequence)?;
         let (merges, ranks) = spans(sequence, &merged_at);
@@ -112,71 +126,140 @@ impl Replay {
             sewn: Vec::new(),
             is_manifold: true,
         };
-        replay.coarsen_all();
-        replay.saturate();
+        replay.find_all(size);
+        replay.find_links();
         replay.roots = (0..replay.len()).map(NodeId).filter(|&m| replay.parent(m).is_none()).collect();
         let bad = replay.nodes.iter().position(|node| !node.radius.is_finite());
         bad.map_or(Ok(replay), |index| Err(InvalidSequence::NotFinite { what: "the radius of node", index }))
     }
 
-    /// Takes every merge in turn: what dies at a node is what it makes appear; what is around it bounds it.
-    fn coarsen_all(&mut self) {
-        let mut mesh = VertexMesh::of_input(self);
-        let mut patch = PatchBound::new(self);
-        let mut around = Surroundings::default();
-        let used = |v: &VertexId| mesh.faces.has_star(*v);
-        let used: Vec<VertexId> = (0..self.leaf_count()).map(VertexId).filter(used).collect();
-        self.is_manifold = used.iter().all(|&v| around.is_umbrella(&mesh, v));
-        // A closed manifold so far: each link is one closed walk that passes no vertex twice.
-        let mut is_closed = self.is_manifold && used.iter().all(|&v| around.is_cycle(&mesh, v));
-        drop(used);
-        let (mut starts, mut link_starts) = (vec![0], vec![0]);
-        let (mut born, mut born_links) = (Vec::with_capacity(self.cells.len()), Vec::with_capacity(self.links.len()));
-        for m in (0..self.len()).map(NodeId) {
-            let radius = patch.fine(self, &mesh, m);
-            let shared = around.shared(&mesh, self.ends(m));
-            mesh.join(
-                self,
-                m,
-                |_, _| {},
-                |slot, is_link| if is_link { born_links.push(CellId(slot)) } else { born.push(CellId(slot)) },
-            );
-            for (start, cells) in [(&mut starts, &mut born), (&mut link_starts, &mut born_links)] {
-                cells[start[m.index()] as usize..].sort_unstable();
-                start.push(cells.len() as u32);
-            }
-            // A third neighbour in common is a loop that closes: a waist, or a hole with three edges.
-            let died = born.len() - starts[m.index()] as usize;
-            let closes = shared != died;
-            // Two links that are cycles and have two vertices in common, besides each other's, are joined into a cycle; no
-            // need to look, unless it is a cycle of two.
-            let is_cycle = is_closed && !closes && died == 2 && mesh.faces.star(self.vertex(m)).nth(2).is_some();
-            if !is_cycle {
-                is_closed = false;
-                if closes || !around.is_umbrella(&mesh, self.vertex(m)) {
-                    self.sewn.push(m);
-                }
-            }
-            let cone = patch.coarse(self, &mesh, m);
-            let node = &mut self.nodes[m.index()];
-            (node.radius, node.cone) = (radius, cone);
+    /// What each node makes appear and what bounds it, in portions of about so many leaves.
+    fn find_all(&mut self, size: u32) {
+        let portions = Portions::new(self, size);
+        let all = portions.len();
+        let merges =
+            Bins::new(self.merge_count(), all + 1, |merge| [portions.of_span(self.merges[merge as usize].span)]);
+        let of_corner = |v: VertexId| portions.of(self.rank(v));
+        let cells = Bins::new(self.cells.len() as u32, all, |cell| self.cells[cell as usize].map(of_corner));
+        // What merges pairs sews often enough.
+        let trusting = self.links.is_empty();
+        let mut found = self.find_in(&portions, &merges, &cells, trusting);
+        if trusting && found.iter().any(|found| !found.sewn.is_empty()) {
+            found = self.find_in(&portions, &merges, &cells, false);
         }
-        (self.born, self.born_links) = (Born::new(starts, born), Born::new(link_starts, born_links));
-        self.base_cells = mesh.faces.cells().map(|(slot, corners)| (CellId(slot), *corners)).collect();
-        self.base_links = mesh.links.cells().map(|(slot, ends)| (CellId(slot), *ends)).collect();
+        drop(cells);
+        self.is_manifold = found.iter().all(|found| found.is_manifold);
+        self.sewn = found.iter().flat_map(|found| &found.sewn).copied().collect();
+        self.sewn.sort_unstable();
+        let merges: Vec<Vec<u32>> = (0..=all).map(|portion| merges.of(portion)).collect();
+        self.take_in(&merges, found);
+        for &merge in &merges[all] {
+            let (first, last) = self.run_of(merge).into_inner();
+            (first.0..=last.0).for_each(|m| self.saturate(NodeId(m)));
+        }
     }
 
-    /// Grows each node's bound until it holds those under it; these have smaller ids, so one sweep does.
-    fn saturate(&mut self) {
-        for m in (0..self.len()).map(NodeId) {
-            let Some(parent) = self.parent(m) else { continue };
-            let (own, above) = (self.bound(m), self.bound(parent));
-            let node = &mut self.nodes[parent.index()];
-            node.error = node.error.max(own.error);
-            node.cone = node.cone.union(own.cone);
-            node.radius = radius_around(above.center, above.radius, &own);
+    /// Each portion by itself, by the threads of the rayon pool that this is called in; then what lies across the cuts, on the
+    /// triangles that are left. The same for any number of threads.
+    fn find_in(&self, portions: &Portions, merges: &Bins, cells: &Bins, trusting: bool) -> Vec<Found> {
+        let find_one = |number: usize| {
+            let portion =
+                Portion { leaves: portions.leaves(number), merges: merges.of(number), cells: cells.of(number) };
+            find(self, portions, &portion, trusting)
+        };
+        let mut found: Vec<Found> = (0..portions.len()).into_par_iter().map(find_one).collect();
+        let across = merges.of(portions.len());
+        let mut left: Vec<u32> = Vec::new();
+        if !across.is_empty() {
+            found.iter_mut().for_each(|found| left.append(&mut found.crossed));
+            left.sort_unstable();
+            left.dedup();
+        }
+        found.push(find(self, portions, &Portion { leaves: 0..0, merges: across, cells: left }, trusting));
+        found
+    }
+
+    /// Puts together what was found: of these merges, portion by portion.
+    fn take_in(&mut self, merges: &[Vec<u32>], found: Vec<Found>) {
+        let mut starts = vec![0; self.nodes.len() + 1];
+        let nodes = |replay: &Self, portion: usize| {
+            let runs = merges[portion].iter().map(|&merge| replay.run_of(merge).into_inner());
+            runs.flat_map(|(first, last)| first.index()..last.index() + 1).collect::<Vec<_>>()
+        };
+        for (portion, found) in found.iter().enumerate() {
+            for ((m, node), row) in nodes(self, portion).into_iter().zip(&found.nodes).zip(found.starts.windows(2)) {
+                self.nodes[m] = *node;
+                starts[m + 1] = row[1] - row[0];
+            }
+        }
+        (0..self.nodes.len()).for_each(|m| starts[m + 1] += starts[m]);
+        let mut born = vec![CellId::NONE; starts[self.nodes.len()] as usize];
+        for (portion, found) in found.iter().enumerate() {
+            for (m, row) in nodes(self, portion).into_iter().zip(found.starts.windows(2)) {
+                let row = &found.born[row[0] as usize..row[1] as usize];
+                born[starts[m] as usize..][..row.len()].copy_from_slice(row);
+            }
+        }
+        let mut is_base = vec![true; self.cells.len()];
+        born.iter().for_each(|cell| is_base[cell.index()] = false);
+        self.born = Born::new(starts, born);
+        let base = (0..self.cells.len()).filter(|&cell| is_base[cell]).map(CellId::new);
+        self.base_cells = base.map(|cell| (cell, self.cells[cell.index()].map(|v| self.root(v)))).collect();
+    }
+
+    /// At which nodes links appear, and what is left of them.
+    fn find_links(&mut self) {
+        let deaths: Vec<NodeId> = self.links.iter().map(|link| self.joined_at(*link)).collect();
+        let mut by_node: Vec<u32> = (0..self.links.len() as u32).filter(|&i| !deaths[i as usize].is_none()).collect();
+        by_node.sort_by_key(|&link| deaths[link as usize]);
+        let mut starts = vec![0; self.nodes.len() + 1];
+        by_node.iter().for_each(|&link| starts[deaths[link as usize].index() + 1] += 1);
+        (0..self.nodes.len()).for_each(|m| starts[m + 1] += starts[m]);
+        self.born_links = Born::new(starts, by_node.into_iter().map(CellId).collect());
+        let base = (0..self.links.len()).filter(|&link| deaths[link].is_none());
+        self.base_links = base.map(|link| (CellId::new(link), self.links[link].map(|v| self.root(v)))).collect();
+    }
+
+    /// The vertex without a node above it that `v` is under. O(depth).
+    fn root(&self, mut v: VertexId) -> VertexId {
+        while !self.merged_at(v).is_none() {
+            v = self.vertex(self.merged_at(v));
+        }
+        v
+    }
+
+    /// The node that makes two vertices one; none where nothing does. O(depth).
+    fn joined_at(&self, [mut a, mut b]: [VertexId; 2]) -> NodeId {
+        loop {
+            // What is merged first cannot be under the other.
+            let earlier = if self.merged_at(a) <= self.merged_at(b) { &mut a } else { &mut b };
+            let node = self.merged_at[earlier.index()];
+            if node.is_none() {
+                return NodeId::NONE;
+            }
+            *earlier = VertexId(self.leaf_count + self.merge_of(node));
+            if a == b {
+                return node;
+            }
         }
     }
+
+    /// Grows a node's bound until it holds those under it, which have smaller ids.
+    fn saturate(&mut self, m: NodeId) {
+        let mut node = self.nodes[m.index()];
+        let center = self.positions[self.vertex(m).index()];
+        let mut under: Vec<NodeId> = self.children(m).collect();
+        under.sort_unstable();
+        under.into_iter().for_each(|child| include(&mut node, center, &self.bound(child)));
+        self.nodes[m.index()] = node;
+    }
+}
+
+/// Grows the bound of a node about `center` until it holds that of one under it.
+pub(super) fn include(node: &mut Node, center: Vec3, under: &Bound) {
+    node.error = node.error.max(under.error);
+    node.cone = node.cone.union(under.cone);
+    node.radius = radius_around(center, node.radius, under);
 }
 
 /// The least radius, rounded up, of a sphere about `center` that holds `inner`, not below `radius`.

@@ -142,25 +142,14 @@ impl VertexMesh {
         for &link in replay.born_links(m) {
             self.links.remove(link.0);
         }
-        self.join(replay, m, |slot, corners| sink.relabel(CellId(slot), *corners), |_, _| {});
-    }
-
-    /// Merges and finds out what dies; links are told with `true`. This is how a replay is built.
-    pub(super) fn join(
-        &mut self,
-        replay: &Replay,
-        m: NodeId,
-        mut moved: impl FnMut(Slot, &Cell<3>),
-        mut died: impl FnMut(Slot, bool),
-    ) {
         let Parts { vertex, center, child, .. } = Parts::new(replay, m);
         for from in [center, child] {
             if from == vertex {
                 continue;
             }
-            self.faces.join_star(from, vertex, &mut moved, |slot| died(slot, false));
+            self.faces.join_star(from, vertex, |slot, corners| sink.relabel(CellId(slot), *corners), |_| {});
             if !replay.links.is_empty() {
-                self.links.join_star(from, vertex, |_, _| {}, |slot| died(slot, true));
+                self.links.join_star(from, vertex, |_, _| {}, |_| {});
             }
             self.active.remove(from.0);
         }

@@ -24,6 +24,8 @@ mod mesh;
 mod numbering;
 mod part;
 mod patch;
+mod portion;
+mod portions;
 mod replay;
 mod sequence;
 #[cfg(test)]

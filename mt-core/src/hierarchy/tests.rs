@@ -103,33 +103,123 @@ fn what_sews_is_known() {
 /// What sews, by looking at the umbrella and the neighbours of every merge.
 fn sewn_by_looking(replay: &Replay) -> Vec<NodeId> {
     let mut mesh = replay.reference_mesh();
-    let mut around = super::patch::Surroundings::default();
+    let mut links = super::patch::Links::default();
+    let neighbours = |mesh: &VertexMesh, v| mesh.ring(v).collect::<std::collections::BTreeSet<_>>();
     let sews = |m: &NodeId| {
-        let shared = around.shared(&mesh, replay.ends(*m));
+        let [near, also_near] = replay.ends(*m).map(|end| neighbours(&mesh, end));
+        let shared = near.intersection(&also_near).count();
         replay.coarsen(*m, &mut mesh, &mut ());
-        shared != replay.born(*m).len() || !around.is_umbrella(&mesh, replay.vertex(*m))
+        shared != replay.born(*m).len() || links.fan(&mesh.faces, replay.vertex(*m)) == super::patch::Fan::Other
     };
     (0..replay.len()).map(NodeId).filter(sews).collect()
 }
 
+/// Merges along edges of the input, whatever the links say about it; some with a third vertex, as fans have.
+fn careless_merges(mesh: &Mesh<3>, seed: u64) -> Sequence {
+    let mut random = check::Random::new(seed);
+    let mut sequence = Sequence::new(mesh);
+    let mut name: Vec<VertexId> = (0..mesh.vertex_count()).map(VertexId::new).collect();
+    for _ in 0..mesh.vertex_count() {
+        let cell = mesh.cells[random.below(mesh.cell_count())];
+        let [a, b, c] = cell.map(|v| name[v.index()]);
+        if a != b {
+            let is_fan = seed % 2 == 1 && c != a && c != b && random.below(4) == 0;
+            let joined = if is_fan { vec![b, c] } else { vec![b] };
+            let at = mesh.positions[cell[0].index()].midpoint(mesh.positions[cell[1].index()]);
+            let made = sequence.push(a, joined.iter().copied(), vec![0.1; joined.len()], at, false);
+            name.iter_mut().filter(|v| **v == a || joined.contains(v)).for_each(|v| *v = made);
+        }
+    }
+    sequence
+}
+
+fn careless_cases() -> impl Iterator<Item = (Mesh<3>, Sequence)> {
+    let meshes = [generate::torus(7, 5), generate::octahedron(), generate::sphere(2), generate::grid(5, 5)];
+    let with_seeds = move |mesh: Mesh<3>| {
+        (0..200).map(move |seed| {
+            let sequence = careless_merges(&mesh, seed);
+            (mesh.clone(), sequence)
+        })
+    };
+    meshes.into_iter().flat_map(with_seeds)
+}
+
 #[test]
 fn what_sews_is_what_looking_finds() {
-    let tori = [generate::torus(7, 5), generate::octahedron(), generate::sphere(2), generate::grid(5, 5)];
-    for (mesh, seed) in tori.iter().flat_map(|mesh| (0..200).map(move |seed| (mesh, seed))) {
-        let mut random = check::Random::new(seed);
-        let mut sequence = Sequence::new(mesh);
-        let mut name: Vec<VertexId> = (0..mesh.vertex_count()).map(VertexId::new).collect();
-        for _ in 0..mesh.vertex_count() {
-            // Along an edge of the input, whatever the links say about it.
-            let cell = mesh.cells[random.below(mesh.cell_count())];
-            let [a, b] = [cell[0], cell[1]].map(|v| name[v.index()]);
-            if a != b {
-                let made = sequence.push(a, [b], [0.1], Vec3::ZERO, false);
-                name.iter_mut().filter(|v| **v == a || **v == b).for_each(|v| *v = made);
-            }
+    for (case, (mesh, sequence)) in careless_cases().enumerate() {
+        let replay = Replay::new(&mesh, &[], &sequence).unwrap();
+        assert_eq!(replay.sewn(), sewn_by_looking(&replay), "case {case}");
+    }
+}
+
+#[test]
+fn portions_change_nothing() {
+    // Most of these sew; those along a torus that do not are trusted to keep their links closed.
+    let kept = [generate::torus(30, 20), generate::grid(16, 9)].map(|mesh| (keeping_merges(&mesh), mesh));
+    for (case, (mesh, sequence)) in kept.into_iter().map(|(s, mesh)| (mesh, s)).chain(careless_cases()).enumerate() {
+        let links = if case % 3 == 0 { vec![[VertexId(0), VertexId(4)], [VertexId(1), VertexId(2)]] } else { vec![] };
+        let whole = Replay::in_portions(&mesh, &links, &sequence, u32::MAX).unwrap();
+        for size in [2, 5, 16, 40] {
+            let cut = Replay::in_portions(&mesh, &links, &sequence, size).unwrap();
+            let name = format!("case {case} in portions of {size}");
+            assert_eq!((&cut.born, &cut.sewn), (&whole.born, &whole.sewn), "{name}");
+            assert_eq!(cut.nodes, whole.nodes, "{name}");
+            assert!(cut == whole, "{name}");
         }
-        let replay = Replay::new(mesh, &[], &sequence).unwrap();
-        assert_eq!(replay.sewn(), sewn_by_looking(&replay), "seed {seed}");
+    }
+}
+
+/// Merges along edges whose ends have two neighbours in common, and no vertex that has been near a merge.
+fn keeping_merges(mesh: &Mesh<3>) -> Sequence {
+    let mut sequence = Sequence::new(mesh);
+    let mut is_near = vec![false; mesh.vertex_count()];
+    for cell in &mesh.cells {
+        let ends = [cell[0], cell[1]];
+        let around = || mesh.cells.iter().filter(|cell| ends.iter().any(|end| cell.contains(end))).flatten();
+        if around().all(|v| !is_near[v.index()]) {
+            around().for_each(|v| is_near[v.index()] = true);
+            let at = mesh.positions[ends[0].index()].midpoint(mesh.positions[ends[1].index()]);
+            sequence.push(ends[0], [ends[1]], [0.1], at, false);
+        }
+    }
+    sequence
+}
+
+/// Bounds by their definition: of each patch in the whole mesh, and then of all that is under it.
+fn bounds_by_looking(replay: &Replay) -> Vec<crate::Bound> {
+    let at = |v: VertexId| replay.positions()[v.index()];
+    let normals = |mesh: &VertexMesh, v: VertexId| {
+        let corners = |cell: &crate::Cell<3>| crate::mesh::area_vector(cell.map(|w| at(w).as_dvec3()));
+        mesh.faces
+            .star(v)
+            .map(|(slot, _)| corners(mesh.faces.cell(slot)).as_vec3().normalize_or_zero())
+            .collect::<Vec<_>>()
+    };
+    let mut mesh = replay.reference_mesh();
+    let mut bounds: Vec<crate::Bound> = Vec::new();
+    for m in (0..replay.len()).map(NodeId) {
+        let center = at(replay.vertex(m));
+        let mut both: Vec<Vec3> = replay.ends(m).into_iter().flat_map(|end| normals(&mesh, end)).collect();
+        let around = replay.ends(m).into_iter().flat_map(|end| mesh.ring(end)).chain(replay.ends(m));
+        let reach = around.map(|v| at(v).as_dvec3().distance(center.as_dvec3())).fold(0.0, f64::max);
+        replay.coarsen(m, &mut mesh, &mut ());
+        both.append(&mut normals(&mesh, replay.vertex(m)));
+        let (radius, cone) = (((reach * (1.0 + 1e-14)) as f32).next_up(), crate::Cone::of_normals(&both));
+        let mut node = super::Node { child: VertexId::NONE, error: 0.1, radius, cone };
+        let mut under: Vec<NodeId> = replay.children(m).collect();
+        under.sort_unstable();
+        under.iter().for_each(|child| super::build::include(&mut node, center, &bounds[child.index()]));
+        bounds.push(crate::Bound { center, radius: node.radius, error: node.error, cone: node.cone });
+    }
+    bounds
+}
+
+#[test]
+fn bounds_are_what_looking_finds() {
+    for (case, (mesh, sequence)) in careless_cases().enumerate() {
+        let replay = Replay::in_portions(&mesh, &[], &sequence, 9).unwrap();
+        let told: Vec<_> = (0..replay.len()).map(|m| replay.bound(NodeId(m))).collect();
+        assert_eq!(told, bounds_by_looking(&replay), "case {case}");
     }
 }
 

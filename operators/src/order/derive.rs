@@ -4,6 +4,7 @@
 use super::lowest::Lowest;
 use mt_core::hierarchy::HierarchyError;
 use mt_core::{NodeId, Replay};
+use rayon::prelude::*;
 
 type Entries = Vec<(NodeId, NodeId)>;
 
@@ -87,14 +88,14 @@ pub(super) fn dual_piece(replay: &Replay) -> Entries {
         };
         replay.born(m).iter().filter_map(third)
     };
-    let mut entries = Vec::new();
-    for m in (0..replay.len()).map(NodeId) {
+    let need = |m: u32| {
+        let m = NodeId(m);
         let mut cuts = cuts_of(m);
-        if let (Some(left), Some(right)) = (cuts.next(), cuts.next()) {
-            entries.extend(lowest.of(left, right).map(|node| (m, node)));
-        }
-    }
-    entries
+        let (left, right) = (cuts.next()?, cuts.next()?);
+        // Nearly always the forest implies it, and then it need not be carried further.
+        lowest.of(left, right).filter(|&node| !replay.is_ancestor(node, m)).map(|node| (m, node))
+    };
+    (0..replay.len()).into_par_iter().filter_map(need).collect()
 }
 
 /// Schemes that cut a vertex along two edges take manifolds that stay manifolds alone.

@@ -1,0 +1,266 @@
+//! One portion of a forest, replayed on the triangles around it: what dies at each of its nodes is what that node makes
+//! appear, what is around it bounds it.
+//!
+//! The triangles around a portion have corners of other portions as well. These are strangers: they are merged when their
+//! time comes, so that triangles are at each node what they are in the whole mesh, and nothing is asked of them.
+
+use super::build::include;
+use super::patch::{Fan, Links, Patch};
+use super::portions::Portions;
+use super::replay::{Node, Replay};
+use crate::bound::Bound;
+use crate::cell::Cell;
+use crate::complex::Complex;
+use crate::id::{CellId, NodeId, VertexId};
+use glam::Vec3;
+use rustc_hash::FxHashMap;
+use std::ops::Range;
+
+/// What belongs to a portion, and what it is replayed on.
+pub(super) struct Portion {
+    /// The ranks of its leaves; none of what lies across cuts.
+    pub(super) leaves: Range<u32>,
+    /// Its merges, ascending.
+    pub(super) merges: Vec<u32>,
+    /// At least all triangles that are ever around a vertex of it, ascending.
+    pub(super) cells: Vec<u32>,
+}
+
+/// What is found out about a portion. Nodes are those of its merges, one after the other.
+pub(super) struct Found {
+    /// Bounded; by all that is under them, if the portion has leaves.
+    pub(super) nodes: Vec<Node>,
+    /// Where the triangles of each node begin, and where those of the last end.
+    pub(super) starts: Vec<u32>,
+    /// The triangles that appear at each node, ascending.
+    pub(super) born: Vec<CellId>,
+    /// The nodes whose merged vertex is not the centre of one umbrella.
+    pub(super) sewn: Vec<NodeId>,
+    /// Whether all leaves that have triangles are centres of umbrellas.
+    pub(super) is_manifold: bool,
+    /// The triangles that are around vertices across the cuts at any time, as far as vertices of the portion lead there.
+    pub(super) crossed: Vec<u32>,
+}
+
+/// Names that begin at 0 in each portion: leaves by rank, merged vertices in their order, strangers as they are met.
+struct Names<'a> {
+    replay: &'a Replay,
+    portion: &'a Portion,
+    strangers: FxHashMap<VertexId, VertexId>,
+    /// The vertices by name; none where one was not met.
+    known: Vec<VertexId>,
+    /// Whether a merge of the portion takes the vertex.
+    is_taken: Vec<bool>,
+}
+
+impl<'a> Names<'a> {
+    fn new(replay: &'a Replay, portion: &'a Portion) -> Self {
+        let own = portion.leaves.len() + portion.merges.len();
+        let (known, is_taken) = (vec![VertexId::NONE; own], vec![false; own]);
+        Self { replay, portion, strangers: FxHashMap::default(), known, is_taken }
+    }
+
+    /// The name of what the merge at this place in the portion makes.
+    fn made(&self, place: usize) -> VertexId {
+        VertexId::new(self.portion.leaves.len() + place)
+    }
+
+    fn of(&mut self, v: VertexId) -> VertexId {
+        let Portion { leaves, merges, .. } = self.portion;
+        let own = match self.replay.merge_making(v) {
+            None => {
+                let rank = self.replay.rank(v);
+                leaves.contains(&rank).then(|| VertexId(rank - leaves.start))
+            }
+            Some(merge) => merges.binary_search(&merge).ok().map(|place| self.made(place)),
+        };
+        if let Some(name) = own {
+            self.known[name.index()] = v;
+            return name;
+        }
+        let next = VertexId::new(self.known.len());
+        let name = *self.strangers.entry(v).or_insert(next);
+        if name == next {
+            self.known.push(v);
+            self.is_taken.push(false);
+        }
+        name
+    }
+}
+
+/// Two vertices become one, by their names in the portion. The first may be what they become.
+struct Step {
+    node: NodeId,
+    ends: [VertexId; 2],
+    into: VertexId,
+    whose: Whose,
+}
+
+/// Whose node a step is.
+#[derive(Copy, Clone, PartialEq, Eq)]
+enum Whose {
+    Own,
+    /// Of another portion of leaves.
+    Other,
+    /// Of what lies across the cuts.
+    Across,
+}
+
+/// The nodes of the portion, and those of strangers among them, ascending.
+fn steps(names: &mut Names, portions: &Portions) -> Vec<Step> {
+    let (replay, portion) = (names.replay, names.portion);
+    let Some(&last) = portion.merges.last() else { return Vec::new() };
+    let last = *replay.run_of(last).end();
+    let mut steps = Vec::with_capacity(portion.merges.len() + portion.merges.len() / 4);
+    for (place, &merge) in portion.merges.iter().enumerate() {
+        let into = names.made(place);
+        let (first, end) = replay.run_of(merge).into_inner();
+        names.known[into.index()] = replay.vertex(first);
+        for node in (first.0..=end.0).map(NodeId) {
+            let [stays, child] = replay.ends(node);
+            let ends = [if node == first { names.of(stays) } else { into }, names.of(child)];
+            ends.into_iter().filter(|&end| end != into).for_each(|end| names.is_taken[end.index()] = true);
+            steps.push(Step { node, ends, into, whose: Whose::Own });
+        }
+    }
+    // What merges of others make may be met here for the first time, and be merged in its turn.
+    let mut name = 0;
+    while name < names.known.len() {
+        let v = names.known[name];
+        if !v.is_none() && !names.is_taken[name] && replay.merged_at(v) <= last {
+            let node = replay.merged_at(v);
+            let made = replay.vertex(node);
+            let into = names.of(made);
+            let whose = if portions.is_across(replay.span(made)) { Whose::Across } else { Whose::Other };
+            steps.push(Step { node, ends: [into, VertexId::new(name)], into, whose });
+        }
+        name += 1;
+    }
+    steps.sort_by_key(|step| step.node);
+    steps
+}
+
+/// Replays a portion. O(stars of its merges, and of the strangers that are merged in its time).
+///
+/// Where links are closed walks, they stay so as long as no node of the whole forest sews or pinches: with `trusting` they
+/// are not looked at again. If any portion then finds a node that does, what was found is worth nothing.
+pub(super) fn find(replay: &Replay, portions: &Portions, portion: &Portion, trusting: bool) -> Found {
+    let mut names = Names::new(replay, portion);
+    let corners = |&cell: &u32| replay.cells[cell as usize].map(|v| names.of(v));
+    let cells: Vec<Cell<3>> = portion.cells.iter().map(corners).collect();
+    let steps = steps(&mut names, portions);
+    let place = |v: &VertexId| if v.is_none() { Vec3::ZERO } else { replay.positions[v.index()] };
+    let positions: Vec<Vec3> = names.known.iter().map(place).collect();
+    let mut finding = Finding::new(replay, portion, positions, &cells);
+    finding.look_at_leaves(trusting);
+    let mut crossed = Vec::new();
+    for step in &steps {
+        if step.whose == Whose::Across {
+            crossed.extend(finding.mesh.star(step.ends[1]).map(|(slot, _)| slot));
+        }
+        match step.whose {
+            Whose::Own => finding.take(step, trusting),
+            _ => finding.mesh.join_star(step.ends[1], step.into, |slot, _| finding.patch.moved(slot), |_| {}),
+        }
+    }
+    let Finding { mesh, mut found, .. } = finding;
+    // Whatever has an own vertex that is not a root will be around a vertex across the cuts.
+    let own = portion.leaves.len() + portion.merges.len();
+    let goes_on = |v: &VertexId| v.index() < own && !replay.merged_at(names.known[v.index()]).is_none();
+    crossed.extend(mesh.cells().filter(|(_, corners)| corners.iter().any(goes_on)).map(|(slot, _)| slot));
+    crossed.sort_unstable();
+    crossed.dedup();
+    found.crossed = crossed.into_iter().map(|slot| portion.cells[slot as usize]).collect();
+    found
+}
+
+/// A portion under way.
+struct Finding<'a> {
+    replay: &'a Replay,
+    portion: &'a Portion,
+    mesh: Complex<3>,
+    patch: Patch,
+    links: Links,
+    /// Of each vertex: whether its link is known to be a closed walk.
+    is_closed: Vec<bool>,
+    /// Of each vertex: the place of the last node that made it, if the portion did.
+    latest: Vec<u32>,
+    found: Found,
+}
+
+impl<'a> Finding<'a> {
+    fn new(replay: &'a Replay, portion: &'a Portion, positions: Vec<Vec3>, cells: &[Cell<3>]) -> Self {
+        let vertices = positions.len();
+        let found = Found {
+            nodes: Vec::with_capacity(portion.merges.len()),
+            starts: vec![0],
+            born: Vec::with_capacity(cells.len()),
+            sewn: Vec::new(),
+            is_manifold: true,
+            crossed: Vec::new(),
+        };
+        Self {
+            replay,
+            portion,
+            mesh: Complex::new(vertices, cells),
+            patch: Patch::new(positions, cells),
+            links: Links::default(),
+            is_closed: vec![false; vertices],
+            latest: vec![u32::MAX; vertices],
+            found,
+        }
+    }
+
+    fn look_at_leaves(&mut self, trusting: bool) {
+        for leaf in (0..self.portion.leaves.len()).map(VertexId::new).filter(|&leaf| self.mesh.has_star(leaf)) {
+            let fan = self.links.fan(&self.mesh, leaf);
+            self.found.is_manifold &= fan != Fan::Other;
+            self.is_closed[leaf.index()] = trusting && fan == Fan::Closed;
+        }
+    }
+
+    /// Makes a step of the portion.
+    fn take(&mut self, step: &Step, trusting: bool) {
+        let &Step { node: m, ends, into, .. } = step;
+        let before = self.patch.before(&self.mesh, ends, into);
+        let (mesh, found) = (&mut self.mesh, &mut self.found);
+        let from = found.born.len();
+        for end in ends.into_iter().filter(|&end| end != into) {
+            mesh.join_star(end, into, |_, _| {}, |slot| found.born.push(CellId(self.portion.cells[slot as usize])));
+        }
+        found.born[from..].sort_unstable();
+        found.starts.push(found.born.len() as u32);
+        let died = found.born.len() - from;
+        // A third neighbour in common is a loop that closes: a waist, or a hole with three edges.
+        let closes = before.shared != died;
+        // Two links that are cycles and have two vertices in common, besides each other's, are joined into a cycle; no
+        // need to look, unless it is a cycle of two.
+        let is_cycle = ends.iter().all(|end| self.is_closed[end.index()])
+            && !closes
+            && died == 2
+            && mesh.star(into).nth(2).is_some();
+        let fan = if is_cycle { Fan::Closed } else { self.links.fan(mesh, into) };
+        self.is_closed[into.index()] = trusting && fan == Fan::Closed;
+        if closes || fan == Fan::Other {
+            found.sewn.push(m);
+        }
+        let cone = self.patch.after(mesh, into);
+        self.keep(step, Node { radius: before.radius, cone, ..*self.replay.node(m) });
+    }
+
+    /// Keeps a node, grown until it holds those under it.
+    fn keep(&mut self, step: &Step, mut node: Node) {
+        let place = self.found.nodes.len() as u32;
+        if !self.portion.leaves.is_empty() {
+            let center = self.patch.position(step.into);
+            let mut under = step.ends.map(|end| (self.latest[end.index()], end));
+            under.sort_unstable();
+            for (place, end) in under.into_iter().filter(|(place, _)| *place != u32::MAX) {
+                let Node { error, radius, cone, .. } = self.found.nodes[place as usize];
+                include(&mut node, center, &Bound { center: self.patch.position(end), radius, error, cone });
+            }
+        }
+        self.latest[step.into.index()] = place;
+        self.found.nodes.push(node);
+    }
+}
