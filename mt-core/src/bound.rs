@@ -159,8 +159,17 @@ impl Cone {
             return Self::EMPTY;
         }
         let sum: Vec3 = normals.iter().sum();
-        let Some(axis) = sum.try_normalize().filter(|_| !normals.contains(&Vec3::ZERO)) else { return Self::ALL };
-        let least = normals.iter().map(|v| v.dot(axis)).fold(1.0, f32::min);
+        let Some(axis) = sum.try_normalize() else { return Self::ALL };
+        let (mut least, mut has_zero) = (1.0f32, false);
+        for normal in normals {
+            let along = normal.dot(axis);
+            // What stands upright on the axis gives nothing as well, and is looked at twice.
+            has_zero |= along == 0.0 && *normal == Vec3::ZERO;
+            least = if along < least { along } else { least };
+        }
+        if has_zero {
+            return Self::ALL;
+        }
         Self::new(axis, least.clamp(-1.0, 1.0).acos())
     }
 
@@ -185,11 +194,26 @@ impl Cone {
 
     /// Whether every normal of `other` is one of `self`.
     pub fn contains(self, other: Cone) -> bool {
+        /// By how many steps one half-angle is the larger: the cosine of the angle that there may be between the axes. A
+        /// little less than the difference, as axes are rounded.
+        static APART: LazyLock<[f64; 255]> = LazyLock::new(|| {
+            std::array::from_fn(|steps| (steps as f64 * std::f64::consts::PI / f64::from(STEPS) - 1e-4).cos())
+        });
         if other == Self::EMPTY || self.angle == 254 {
             return true;
         }
-        let (Some((axis_a, angle_a)), Some((axis_b, angle_b))) = (self.get(), other.get()) else { return false };
-        self.axis == other.axis && self.angle >= other.angle || axis_a.angle_between(axis_b) + angle_b + 1e-4 <= angle_a
+        if self == Self::EMPTY || self.angle < other.angle {
+            return false;
+        }
+        if self.axis == other.axis || self.angle == other.angle {
+            return self.axis == other.axis;
+        }
+        let dot = |a: [i8; 3], b: [i8; 3]| (0..3).map(|i| i32::from(a[i]) * i32::from(b[i])).sum::<i32>();
+        let (along, least) = (f64::from(dot(self.axis, other.axis)), APART[usize::from(self.angle - other.angle)]);
+        let squares = f64::from(dot(self.axis, self.axis)) * f64::from(dot(other.axis, other.axis));
+        // `along >= least * sqrt(squares)`, without the root.
+        let is_short = along * along <= least * least * squares;
+        if least >= 0.0 { along >= 0.0 && !is_short } else { along >= 0.0 || is_short }
     }
 }
 

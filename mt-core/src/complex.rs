@@ -228,33 +228,27 @@ impl<const N: usize> Complex<N> {
         self.live -= 1;
     }
 
-    /// The star of `from` becomes that of `to`: each cell around `from` gets `to` for that corner, and is told to `moved`;
-    /// a cell that has `to` already is emptied, and told to `died`. O(star of `from`), and for each cell that dies the
-    /// stars of its other corners.
+    /// The star of `from` becomes that of `to`: each cell around `from` gets `to` for that corner, which is told with the
+    /// cell to `each`; a cell that has `to` already is emptied, and told as it was, with a no. O(star of `from`), and for
+    /// each cell that dies the stars of its other corners.
     #[inline]
-    pub fn join_star(
-        &mut self,
-        from: VertexId,
-        to: VertexId,
-        mut moved: impl FnMut(Slot, &Cell<N>),
-        mut died: impl FnMut(Slot),
-    ) {
+    pub fn join_star(&mut self, from: VertexId, to: VertexId, mut each: impl FnMut(Slot, usize, &Cell<N>, bool)) {
         let mut corner = std::mem::replace(&mut self.first[from.index()], NONE);
         while corner != NONE {
             let (slot, i) = (corner / N as u32, corner as usize % N);
             let place = &mut self.cells[slot as usize];
             let after = place.next[i];
             if place.corners.contains(&to) {
+                each(slot, i, &place.corners, false);
                 for k in (0..N).filter(|&k| k != i) {
                     self.unlink_corner(slot, k);
                 }
                 self.cells[slot as usize].corners = [VertexId::NONE; N];
                 self.live -= 1;
-                died(slot);
             } else {
                 place.corners[i] = to;
                 place.next[i] = std::mem::replace(&mut self.first[to.index()], corner);
-                moved(slot, &place.corners);
+                each(slot, i, &place.corners, true);
             }
             corner = after;
         }

@@ -147,9 +147,13 @@ impl VertexMesh {
             if from == vertex {
                 continue;
             }
-            self.faces.join_star(from, vertex, |slot, corners| sink.relabel(CellId(slot), *corners), |_| {});
+            self.faces.join_star(from, vertex, |slot, _, corners, lives| {
+                if lives {
+                    sink.relabel(CellId(slot), *corners);
+                }
+            });
             if !replay.links.is_empty() {
-                self.links.join_star(from, vertex, |_, _| {}, |_| {});
+                self.links.join_star(from, vertex, |_, _, _, _| {});
             }
             self.active.remove(from.0);
         }

@@ -74,8 +74,8 @@ impl Links {
     }
 }
 
-/// Measures the patches of merges, one after the other. The normals of the current cells are kept: a cell is part of many
-/// fine sides before the next coarse side changes it.
+/// Makes merges, one after the other, and measures their patches on the way. The normals of the current cells are kept: a
+/// cell is part of many fine sides before the next coarse side changes it.
 pub(super) struct Patch {
     /// Of the vertices.
     positions: Vec<Vec3>,
@@ -86,13 +86,19 @@ pub(super) struct Patch {
     /// Of each vertex: when it was last seen to be a neighbour.
     marks: Vec<u32>,
     mark: u32,
+    /// The squared distance of what is furthest from the merged vertex.
+    reach: f64,
+    /// How many neighbours of the second end were neighbours of the first.
+    shared: usize,
 }
 
-/// What is seen of a patch just before its merge.
-pub(super) struct Before {
-    /// How far the patch reaches from where the merged vertex will be, rounded up.
+/// What is seen of a patch.
+pub(super) struct Seen {
+    /// How far the patch reaches from the merged vertex, rounded up.
     pub(super) radius: f32,
-    /// How many vertices share a triangle with each of the two that are merged.
+    /// The normals of the triangles before and after.
+    pub(super) cone: Cone,
+    /// How many vertices shared a triangle with each of the two that are merged.
     pub(super) shared: usize,
 }
 
@@ -100,7 +106,8 @@ impl Patch {
     /// Of these cells, by slot, and the vertices at these positions.
     pub(super) fn new(positions: Vec<Vec3>, cells: &[Cell<3>]) -> Self {
         let normals = cells.iter().map(|cell| normal(&positions, cell)).collect();
-        Self { normals, both: Vec::new(), marks: vec![0; positions.len()], mark: 0, positions }
+        let marks = vec![0; positions.len()];
+        Self { positions, normals, both: Vec::new(), marks, mark: 0, reach: 0.0, shared: 0 }
     }
 
     /// Where a vertex is.
@@ -113,65 +120,105 @@ impl Patch {
         self.normals[slot as usize] = Vec3::NAN;
     }
 
-    /// Looks at the triangles around two vertices just before they become `into`. O(stars).
-    pub(super) fn before(&mut self, mesh: &Complex<3>, ends: [VertexId; 2], into: VertexId) -> Before {
+    /// Makes one vertex of two, the first of which may be that vertex, and tells which cells die. O(stars), each cell of
+    /// which is looked at once.
+    pub(super) fn merge(
+        &mut self,
+        mesh: &mut Complex<3>,
+        [stays, child]: [VertexId; 2],
+        into: VertexId,
+        mut died: impl FnMut(Slot),
+    ) -> Seen {
         // Marks only grow, so none has to be wiped, but once in four thousand million.
         if self.mark >= u32::MAX - 2 {
             self.marks.fill(0);
             self.mark = 0;
         }
-        let (near_first, near) = (self.mark + 1, self.mark + 2);
         self.mark += 2;
-        let about = self.positions[into.index()].as_dvec3();
-        let positions = &self.positions;
-        let squared = |v: VertexId| positions[v.index()].as_dvec3().distance_squared(about);
         self.both.clear();
-        let mut reach = f64::max(squared(ends[0]), squared(ends[1]));
-        let mut shared = 0;
-        let normals = &mut self.normals;
-        let mut normal_of = |slot: Slot| {
-            let kept = &mut normals[slot as usize];
-            if kept.x.is_nan() {
-                *kept = normal(positions, mesh.cell(slot));
+        self.shared = 0;
+        self.reach = f64::max(self.squared(stays, into), self.squared(child, into));
+        if stays == into {
+            for (slot, i) in mesh.star(into) {
+                self.see_first(slot, i, mesh.cell(slot), [stays, child]);
             }
-            *kept
-        };
-        for (slot, i) in mesh.star(ends[0]) {
-            self.both.push(normal_of(slot));
-            for w in sides(mesh.cell(slot), i) {
-                let mark = &mut self.marks[w.index()];
-                if *mark != near_first {
-                    *mark = near_first;
-                    reach = reach.max(squared(w));
-                }
-            }
+        } else {
+            mesh.join_star(stays, into, |slot, i, cell, _| self.see_first(slot, i, cell, [stays, child]));
         }
-        for (slot, i) in mesh.star(ends[1]) {
-            self.both.push(normal_of(slot));
-            for w in sides(mesh.cell(slot), i) {
-                let mark = &mut self.marks[w.index()];
-                if *mark == near_first {
-                    shared += 1;
-                } else if *mark != near {
-                    reach = reach.max(squared(w));
-                }
-                *mark = near;
+        mesh.join_star(child, into, |slot, i, cell, lives| {
+            if lives {
+                self.see_second(slot, i, cell, child);
+            } else {
+                // It was seen around the first end. Its third corner is a neighbour of both.
+                sides(cell, i).into_iter().filter(|&w| w != into).for_each(|w| self.meet_again(w, into));
+                died(slot);
             }
-        }
-        Before { radius: ((reach.sqrt() * (1.0 + 1e-14)) as f32).next_up(), shared }
+        });
+        let radius = ((self.reach.sqrt() * (1.0 + 1e-14)) as f32).next_up();
+        Seen { radius, cone: Cone::of_normals(&self.both), shared: self.shared }
     }
 
-    /// Looks at the triangles around the merged vertex, just after: the cone of their normals and of those before.
-    pub(super) fn after(&mut self, mesh: &Complex<3>, into: VertexId) -> Cone {
-        for (slot, _) in mesh.star(into) {
-            let normal = normal(&self.positions, mesh.cell(slot));
-            self.normals[slot as usize] = normal;
-            self.both.push(normal);
+    /// A cell of the first end, which has the merged vertex at corner `i` by now.
+    #[inline]
+    fn see_first(&mut self, slot: Slot, i: usize, cell: &Cell<3>, [stays, child]: [VertexId; 2]) {
+        let others = sides(cell, i);
+        for w in others {
+            let mark = &mut self.marks[w.index()];
+            if *mark != self.mark - 1 {
+                *mark = self.mark - 1;
+                self.reach = self.reach.max(self.squared(w, cell[i]));
+            }
         }
-        Cone::of_normals(&self.both)
+        self.see_normals(slot, i, cell, stays, !others.contains(&child));
+    }
+
+    /// A cell of the second end, which has the merged vertex at corner `i` by now and not before.
+    #[inline]
+    fn see_second(&mut self, slot: Slot, i: usize, cell: &Cell<3>, child: VertexId) {
+        sides(cell, i).into_iter().for_each(|w| self.meet_again(w, cell[i]));
+        self.see_normals(slot, i, cell, child, true);
+    }
+
+    /// A neighbour of the second end.
+    #[inline]
+    fn meet_again(&mut self, w: VertexId, into: VertexId) {
+        let mark = &mut self.marks[w.index()];
+        if *mark == self.mark {
+            return;
+        }
+        if *mark == self.mark - 1 {
+            *mark = self.mark;
+            self.shared += 1;
+        } else {
+            *mark = self.mark;
+            self.reach = self.reach.max(self.squared(w, into));
+        }
+    }
+
+    /// The normals of a cell before corner `i` moved from a vertex, and after, if it `lives` so long.
+    #[inline]
+    fn see_normals(&mut self, slot: Slot, i: usize, cell: &Cell<3>, from: VertexId, lives: bool) {
+        let mut before = self.normals[slot as usize];
+        if before.x.is_nan() {
+            let mut old = *cell;
+            old[i] = from;
+            before = normal(&self.positions, &old);
+        }
+        self.both.push(before);
+        if lives {
+            let after = normal(&self.positions, cell);
+            self.normals[slot as usize] = after;
+            self.both.push(after);
+        }
+    }
+
+    #[inline]
+    fn squared(&self, v: VertexId, about: VertexId) -> f64 {
+        self.positions[v.index()].as_dvec3().distance_squared(self.positions[about.index()].as_dvec3())
     }
 }
 
+#[inline]
 fn normal(positions: &[Vec3], cell: &Cell<3>) -> Vec3 {
     area_vector(cell.map(|v| positions[v.index()].as_dvec3())).as_vec3().normalize_or_zero()
 }

@@ -136,7 +136,9 @@ fn steps(names: &mut Names, portions: &Portions) -> Vec<Step> {
         }
         name += 1;
     }
-    steps.sort_by_key(|step| step.node);
+    // The centre goes before the child, as in a step of one's own: what comes of stars in which order is the same everywhere.
+    let is_child = |step: &Step| names.known[step.ends[1].index()] == replay.node(step.node).child;
+    steps.sort_by_key(|step| (step.node, is_child(step)));
     steps
 }
 
@@ -160,7 +162,7 @@ pub(super) fn find(replay: &Replay, portions: &Portions, portion: &Portion, trus
         }
         match step.whose {
             Whose::Own => finding.take(step, trusting),
-            _ => finding.mesh.join_star(step.ends[1], step.into, |slot, _| finding.patch.moved(slot), |_| {}),
+            _ => finding.mesh.join_star(step.ends[1], step.into, |slot, _, _, _| finding.patch.moved(slot)),
         }
     }
     let Finding { mesh, mut found, .. } = finding;
@@ -222,17 +224,15 @@ impl<'a> Finding<'a> {
     /// Makes a step of the portion.
     fn take(&mut self, step: &Step, trusting: bool) {
         let &Step { node: m, ends, into, .. } = step;
-        let before = self.patch.before(&self.mesh, ends, into);
         let (mesh, found) = (&mut self.mesh, &mut self.found);
         let from = found.born.len();
-        for end in ends.into_iter().filter(|&end| end != into) {
-            mesh.join_star(end, into, |_, _| {}, |slot| found.born.push(CellId(self.portion.cells[slot as usize])));
-        }
+        let died = |slot| found.born.push(CellId(self.portion.cells[slot as usize]));
+        let seen = self.patch.merge(mesh, ends, into, died);
         found.born[from..].sort_unstable();
         found.starts.push(found.born.len() as u32);
         let died = found.born.len() - from;
         // A third neighbour in common is a loop that closes: a waist, or a hole with three edges.
-        let closes = before.shared != died;
+        let closes = seen.shared != died;
         // Two links that are cycles and have two vertices in common, besides each other's, are joined into a cycle; no
         // need to look, unless it is a cycle of two.
         let is_cycle = ends.iter().all(|end| self.is_closed[end.index()])
@@ -244,8 +244,7 @@ impl<'a> Finding<'a> {
         if closes || fan == Fan::Other {
             found.sewn.push(m);
         }
-        let cone = self.patch.after(mesh, into);
-        self.keep(step, Node { radius: before.radius, cone, ..*self.replay.node(m) });
+        self.keep(step, Node { radius: seen.radius, cone: seen.cone, ..*self.replay.node(m) });
     }
 
     /// Keeps a node, grown until it holds those under it.
