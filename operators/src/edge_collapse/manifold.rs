@@ -6,25 +6,21 @@ use mt_core::{Bits, Complex, Slot, VertexId};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// An edge of a manifold.
-pub(crate) struct ManifoldEdge {
-    /// Its ends, ascending.
-    pub(crate) ends: [VertexId; 2],
-    /// Its triangle, where it has only one.
-    border: Option<Slot>,
-    /// Whether its triangles pass it in opposite directions; also true on the boundary.
+/// The edges of a manifold.
+#[derive(Default)]
+pub(crate) struct Edges {
+    /// The ends of each, ascending, by some vertices after the other; nothing if nobody wants them.
+    ends: Vec<Vec<[VertexId; 2]>>,
+    /// Those that have only one triangle, and that.
+    pub(crate) border: Vec<([VertexId; 2], Slot)>,
+    /// Whether the triangles of every inner edge pass it in opposite directions.
     pub(crate) coherent: bool,
 }
 
-impl ManifoldEdge {
-    /// An edge with a triangle on either side, which agree on them.
-    fn inner(ends: [VertexId; 2]) -> Self {
-        Self { ends, border: None, coherent: true }
-    }
-
-    /// The edge and its triangle, where it has only one.
-    pub(crate) fn on_border(&self) -> Option<(&Self, Slot)> {
-        Some((self, self.border?))
+impl Edges {
+    /// The ends of each edge, ascending; in the order of the lower ones.
+    pub(crate) fn ends(&self) -> impl Iterator<Item = [VertexId; 2]> + '_ {
+        self.ends.iter().flatten().copied()
     }
 }
 
@@ -34,22 +30,27 @@ const VERTICES: usize = 8192;
 /// What a look at some vertices found.
 #[derive(Default)]
 struct Found {
-    edges: Vec<ManifoldEdge>,
+    ends: Vec<[VertexId; 2]>,
+    border: Vec<([VertexId; 2], Slot)>,
+    incoherent: bool,
     bad_edges: Vec<[VertexId; 2]>,
     bad_vertices: Vec<VertexId>,
 }
 
-/// All edges by their lower ends, or what is in the way: edges with more than two triangles, vertices with more than one
-/// umbrella. O(triangles × degree). By the threads of the rayon pool that this is called in; with the same answer for any
-/// number of them.
-pub(crate) fn check(complex: &Complex<3>) -> Result<Vec<ManifoldEdge>, Unfit> {
+/// The edges, or what is in the way: edges with more than two triangles, vertices with more than one umbrella. The ends of
+/// all edges are told if wanted. O(triangles × degree). By the threads of the rayon pool that this is called in; with the
+/// same answer for any number of them.
+pub(crate) fn check(complex: &Complex<3>, wants_ends: bool) -> Result<Edges, Unfit> {
     let runs = (0..complex.vertex_count()).into_par_iter().step_by(VERTICES);
-    let parts: Vec<Found> = runs.map(|from| look(complex, from..complex.vertex_count().min(from + VERTICES))).collect();
+    let one = |from: usize| look(complex, from..complex.vertex_count().min(from + VERTICES), wants_ends);
+    let parts: Vec<Found> = runs.map(one).collect();
     let mut bad_edges: Vec<[VertexId; 2]> = Vec::new();
     let mut bad_vertices: Vec<VertexId> = Vec::new();
-    let mut edges = Vec::with_capacity(parts.iter().map(|found| found.edges.len()).sum());
+    let mut edges = Edges { coherent: true, ..Edges::default() };
     for found in parts {
-        edges.extend(found.edges);
+        edges.ends.push(found.ends);
+        edges.border.extend(found.border);
+        edges.coherent &= !found.incoherent;
         bad_edges.extend(found.bad_edges);
         bad_vertices.extend(found.bad_vertices);
     }
@@ -65,16 +66,18 @@ pub(crate) fn check(complex: &Complex<3>) -> Result<Vec<ManifoldEdge>, Unfit> {
 }
 
 /// Looks at these vertices, and at the edges of which they are the lower ends.
-fn look(complex: &Complex<3>, vertices: Range<usize>) -> Found {
+fn look(complex: &Complex<3>, vertices: Range<usize>, wants_ends: bool) -> Found {
     let mut found = Found::default();
     let (mut sides, mut walk) = (Vec::new(), Vec::new());
     for v in vertices.map(VertexId::new).filter(|&v| complex.has_star(v)) {
         complex.link_edges(v, &mut walk);
         if is_short_cycle(&walk) {
-            // Each neighbour begins one edge of the link, and the edge to it has the triangle before and that after.
-            let from = found.edges.len();
-            found.edges.extend(walk.iter().filter(|side| side[0] > v).map(|&[w, _]| ManifoldEdge::inner([v, w])));
-            found.edges[from..].sort_unstable_by_key(|edge| edge.ends);
+            if wants_ends {
+                // Each neighbour begins one edge of the link, and the edge to it has the triangle before and that after.
+                let from = found.ends.len();
+                found.ends.extend(walk.iter().filter(|side| side[0] > v).map(|&[w, _]| [v, w]));
+                found.ends[from..].sort_unstable();
+            }
             continue;
         }
         sides_above(complex, v, &mut sides);
@@ -83,8 +86,9 @@ fn look(complex: &Complex<3>, vertices: Range<usize>) -> Found {
             if run.len() > 2 {
                 found.bad_edges.push(ends);
             }
-            let coherent = run.len() == 1 || run[0].1 != run[1].1;
-            found.edges.push(ManifoldEdge { ends, border: (run.len() == 1).then_some(run[0].2), coherent });
+            found.incoherent |= run.len() > 1 && run[0].1 == run[1].1;
+            found.border.extend((run.len() == 1).then_some((ends, run[0].2)));
+            found.ends.extend(wants_ends.then_some(ends));
         }
         if !one_umbrella(&mut walk) {
             found.bad_vertices.push(v);

@@ -108,21 +108,9 @@ impl<M: Metric> Operator<3> for EdgeCollapse<M> {
     }
 
     fn prepare(&self, draft: &Draft<3>, sites: &mut Vec<Edge>) -> Result<Self::Aux, Unfit> {
-        let edges = manifold::check(&draft.complex)?;
-        let vertices = draft.positions.len();
-        let mut on_boundary = vec![false; vertices];
-        let mut boundary = Vec::new();
-        for (edge, slot) in edges.iter().filter_map(manifold::ManifoldEdge::on_border) {
-            boundary.push(BoundaryEdge { ends: edge.ends, cell: *draft.complex.cell(slot) });
-            edge.ends.iter().for_each(|v| on_boundary[v.index()] = true);
-        }
-        sites.extend(edges.iter().map(|edge| Edge { a: edge.ends[0], b: edge.ends[1], stamp: 0, second: false }));
-        Ok(Aux {
-            metric: self.metric.prepare(draft, &Boundary { edges: &boundary, weight: self.boundary_weight })?,
-            on_boundary,
-            coherent: edges.iter().all(|edge| edge.coherent),
-            stamps: self.stamps(vertices),
-        })
+        let edges = manifold::check(&draft.complex, true)?;
+        sites.extend(edges.ends().map(|[a, b]| Edge { a, b, stamp: 0, second: false }));
+        self.aux_of(draft, &edges)
     }
 
     fn price(&self, draft: &Draft<3>, aux: &Self::Aux, site: Edge) -> Option<f64> {
@@ -225,6 +213,22 @@ impl<M: Metric> EdgeCollapse<M> {
     fn cheaper_end(&self, draft: &Draft<3>, ends: [VertexId; 2], pair: &M::Pair) -> usize {
         let [first, second] = END.map(|place| self.metric.offer(draft, ends, pair, place).price);
         usize::from(second < first)
+    }
+
+    /// What is kept beside a mesh that has these edges.
+    fn aux_of(&self, draft: &Draft<3>, edges: &manifold::Edges) -> Result<Aux<M::State>, Unfit> {
+        let vertices = draft.positions.len();
+        let mut on_boundary = vec![false; vertices];
+        edges.border.iter().flat_map(|(ends, _)| ends).for_each(|v| on_boundary[v.index()] = true);
+        let border = edges.border.iter();
+        let boundary: Vec<BoundaryEdge> =
+            border.map(|&(ends, slot)| BoundaryEdge { ends, cell: *draft.complex.cell(slot) }).collect();
+        Ok(Aux {
+            metric: self.metric.prepare(draft, &Boundary { edges: &boundary, weight: self.boundary_weight })?,
+            on_boundary,
+            coherent: edges.coherent,
+            stamps: self.stamps(vertices),
+        })
     }
 
     /// Stamps of so many vertices, where they are needed.

@@ -1,8 +1,8 @@
 //! Edge collapse on regions of a mesh: what is kept of a vertex, and which edges a region has.
 
-use super::{Aux, Edge, EdgeCollapse};
+use super::{Aux, Edge, EdgeCollapse, manifold};
 use crate::metric::RegionMetric;
-use mt_core::analysis::{Draft, RegionOperator};
+use mt_core::analysis::{Draft, RegionOperator, Unfit};
 use mt_core::{Bits, VertexId};
 
 /// What is kept of a vertex from one round to the next.
@@ -14,6 +14,10 @@ pub struct Memory<T> {
 
 impl<M: RegionMetric> RegionOperator<3> for EdgeCollapse<M> {
     type Memory = Memory<M::Memory>;
+
+    fn survey(&self, draft: &Draft<3>) -> Result<Self::Aux, Unfit> {
+        self.aux_of(draft, &manifold::check(&draft.complex, false)?)
+    }
 
     fn recall(&self, aux: &Self::Aux, v: VertexId) -> Self::Memory {
         Memory { metric: self.metric.recall(&aux.metric, v), on_boundary: aux.on_boundary[v.index()] }

@@ -3,7 +3,7 @@
 use super::run::Work;
 use super::{FanMerge, Planes, Round, Site};
 use crate::edge_collapse::BoundaryRule;
-use crate::edge_collapse::manifold::ManifoldEdge;
+use crate::edge_collapse::manifold::Edges;
 use crate::metric::Quadric;
 use glam::DVec3;
 use mt_core::analysis::Draft;
@@ -36,7 +36,7 @@ pub struct Aux {
 const OCTAVES: i32 = 60;
 
 impl Aux {
-    pub(super) fn new(fan: &FanMerge, draft: &Draft<3>, edges: &[ManifoldEdge]) -> Self {
+    pub(super) fn new(fan: &FanMerge, draft: &Draft<3>, edges: &Edges) -> Self {
         let vertices = draft.positions.len();
         let mut aux = Self {
             quadrics: vec![Quadric::default(); vertices],
@@ -44,7 +44,7 @@ impl Aux {
             stamps: vec![0; vertices],
             on_boundary: vec![false; vertices],
             sums: vec![(0.0, 0); vertices],
-            coherent: edges.iter().all(|edge| edge.coherent),
+            coherent: edges.coherent,
             scale: 1.0,
             stalled: false,
             work: RefCell::new(Work::new(vertices)),
@@ -60,11 +60,11 @@ impl Aux {
             }
             area += 0.5 * area_vector(corners).length();
         }
-        for (edge, slot) in edges.iter().filter_map(ManifoldEdge::on_border) {
-            let [a, b] = edge.ends.map(position);
+        for &(ends, slot) in &edges.border {
+            let [a, b] = ends.map(position);
             let upright = area_vector(draft.complex.cell(slot).map(position));
             let quadric = Quadric::of_boundary_edge(a, b, upright, fan.boundary_weight);
-            for v in edge.ends {
+            for v in ends {
                 aux.quadrics[v.index()] += quadric;
                 aux.on_boundary[v.index()] = true;
             }
@@ -76,7 +76,7 @@ impl Aux {
     }
 
     /// Sets all sums. Cell by cell where it can, because the cells lie in a row and those of a star do not.
-    fn add_up(&mut self, fan: &FanMerge, draft: &Draft<3>, edges: &[ManifoldEdge]) {
+    fn add_up(&mut self, fan: &FanMerge, draft: &Draft<3>, edges: &Edges) {
         if !self.coherent {
             for v in (0..self.sums.len()).map(VertexId::new) {
                 self.sums[v.index()] = self.sum(fan, draft, v);
@@ -87,9 +87,9 @@ impl Aux {
             (0..3).for_each(|i| self.put_in(fan, draft, cell[(i + 1) % 3], cell[i]));
         }
         // The last neighbour of a boundary vertex does not come next after it in any cell.
-        for (edge, slot) in edges.iter().filter_map(ManifoldEdge::on_border) {
+        for &(ends, slot) in &edges.border {
             let cell = draft.complex.cell(slot);
-            let [a, b] = edge.ends;
+            let [a, b] = ends;
             let forward = (0..3).any(|i| cell[i] == a && cell[(i + 1) % 3] == b);
             let [first, second] = if forward { [a, b] } else { [b, a] };
             self.put_in(fan, draft, first, second);

@@ -127,7 +127,7 @@ impl Operator<3> for FanMerge {
     }
 
     fn prepare(&self, draft: &Draft<3>, sites: &mut Vec<Site>) -> Result<Aux, Unfit> {
-        let edges = manifold::check(&draft.complex)?;
+        let edges = manifold::check(&draft.complex, false)?;
         let vertices = (0..draft.positions.len()).map(VertexId::new).filter(|&v| draft.complex.has_star(v));
         sites.extend(vertices.map(|hub| Site { hub, stamp: 0, round: Round::Full }));
         Ok(Aux::new(self, draft, &edges))

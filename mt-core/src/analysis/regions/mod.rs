@@ -17,13 +17,14 @@ mod round;
 mod schedule;
 
 use super::simplify::check_kind;
-use super::{AnalysisError, Draft, Ended, Listener, Operator, Options, Progress, Stopped};
+use super::{AnalysisError, Draft, Ended, Listener, Operator, Options, Progress, Stopped, Unfit};
 use crate::bits::Bits;
 use crate::explicit::{ErrorKind, HistoryError};
 use crate::id::{CellId, VertexId};
 use crate::mesh::Mesh;
 use crate::plan::RefusalCounts;
 use partition::{Partition, Remnant};
+use rayon::prelude::*;
 use round::Job;
 use schedule::{Came, Schedule};
 
@@ -34,6 +35,9 @@ use schedule::{Came, Schedule};
 pub trait RegionOperator<const N: usize>: Operator<N, Aux: Send + Sync, Site: Send> + Sync {
     /// All that the operator knows of one vertex.
     type Memory: Copy + Send + Sync;
+
+    /// What [`Operator::prepare`] gives, without naming the sites of the whole mesh: regions name their own.
+    fn survey(&self, draft: &Draft<N>) -> Result<Self::Aux, Unfit>;
 
     /// What it knows of `v`.
     fn recall(&self, aux: &Self::Aux, v: VertexId) -> Self::Memory;
@@ -92,7 +96,8 @@ const VERTICES_MIN: usize = 16;
 /// and the same for any number of threads.
 ///
 /// O(cells log cells). Holds, besides what the listener keeps, a copy of what is left of the mesh with the operator's
-/// memories, and the drafts of 32 regions; before the first round a draft of the whole mesh, while the operator prepares.
+/// memories, and the drafts of 32 regions with what is left of 32 others; before the first round a draft of the whole mesh,
+/// while the operator surveys it.
 pub fn analyse_by_regions<const N: usize, O: RegionOperator<N>, L: RegionListener<N>>(
     mesh: &Mesh<N>,
     operator: &O,
@@ -147,9 +152,8 @@ fn prepare<const N: usize, O: RegionOperator<N>>(
     mesh: &Mesh<N>,
     operator: &O,
 ) -> Result<(O::Aux, Remnant<N, O::Memory>), AnalysisError> {
-    let mut sites = Vec::new();
-    let aux = operator.prepare(&Draft::new(mesh), &mut sites)?;
-    drop(sites);
-    let memories = (0..mesh.positions.len()).map(|v| operator.recall(&aux, VertexId::new(v))).collect();
+    let aux = operator.survey(&Draft::new(mesh))?;
+    let vertices = 0..mesh.positions.len();
+    let memories = vertices.into_par_iter().map(|v| operator.recall(&aux, VertexId::new(v))).collect();
     Ok((operator.resume(&aux, &[]), Remnant::of(mesh, memories)))
 }

@@ -17,7 +17,7 @@ pub(super) struct Remnant<const N: usize, M> {
     pub(super) cell_names: Vec<CellId>,
 }
 
-impl<const N: usize, M: Copy> Remnant<N, M> {
+impl<const N: usize, M: Copy + Send + Sync> Remnant<N, M> {
     /// All of the input.
     pub(super) fn of(mesh: &Mesh<N>, memories: Vec<M>) -> Self {
         Self {
@@ -44,17 +44,21 @@ impl<const N: usize, M: Copy> Remnant<N, M> {
     fn renumber(&mut self, order: &[u32]) {
         let mut number = vec![0; order.len()];
         order.iter().enumerate().for_each(|(i, &v)| number[v as usize] = i as u32);
-        self.positions = order.iter().map(|&v| self.positions[v as usize]).collect();
-        self.names = order.iter().map(|&v| self.names[v as usize]).collect();
-        self.memories = order.iter().map(|&v| self.memories[v as usize]).collect();
+        self.positions = in_order(&self.positions, order);
+        self.names = in_order(&self.names, order);
+        self.memories = in_order(&self.memories, order);
         self.cells.par_iter_mut().for_each(|cell| cell.iter_mut().for_each(|v| v.0 = number[v.index()]));
     }
 
     /// Cell `order[i]` becomes cell `i`.
     fn reorder_cells(&mut self, order: &[u32]) {
-        self.cells = order.iter().map(|&i| self.cells[i as usize]).collect();
-        self.cell_names = order.iter().map(|&i| self.cell_names[i as usize]).collect();
+        self.cells = in_order(&self.cells, order);
+        self.cell_names = in_order(&self.cell_names, order);
     }
+}
+
+fn in_order<T: Copy + Send + Sync>(all: &[T], order: &[u32]) -> Vec<T> {
+    order.par_iter().map(|&i| all[i as usize]).collect()
 }
 
 /// What is left, cut into regions: vertices and cells of a region are runs. Cells that reach into several come last.
@@ -131,6 +135,7 @@ impl<const N: usize, M: Copy + Send + Sync> Partition<N, M> {
             order[*at] = i as u32;
             *at += 1;
         }
+        drop(of);
         self.left.reorder_cells(&order);
         starts.truncate(regions + 1);
         self.cell_starts = starts;
@@ -144,7 +149,8 @@ impl<const N: usize, M: Copy + Send + Sync> Partition<N, M> {
 /// that no plane between octants is one for ever. Points at one place keep their order.
 fn along_curve(positions: &[Vec3], round: u32) -> Vec<u32> {
     let Some(&first) = positions.first() else { return Vec::new() };
-    let (low, high) = positions.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
+    let wider = |(low, high): (Vec3, Vec3), (p, q): (Vec3, Vec3)| (low.min(p), high.max(q));
+    let (low, high) = positions.par_iter().map(|&p| (p, p)).reduce(|| (first, first), wider);
     // In double precision, which holds the extent of whatever single precision holds.
     let (low, high) = (low.as_dvec3(), high.as_dvec3());
     let size = (high - low).max_element().max(f64::from(f32::MIN_POSITIVE));
@@ -159,7 +165,7 @@ fn along_curve(positions: &[Vec3], round: u32) -> Vec<u32> {
     };
     let mut keys: Vec<(u64, u32)> = positions.par_iter().enumerate().map(|(v, &p)| (code(p), v as u32)).collect();
     keys.par_sort_unstable();
-    keys.into_iter().map(|(_, v)| v).collect()
+    keys.into_par_iter().map(|(_, v)| v).collect()
 }
 
 /// Bits of each coordinate on the curve: what single precision tells apart, and no more than a third of 64.

@@ -19,7 +19,7 @@ pub(super) struct Residue<const N: usize, M> {
     names: Vec<CellId>,
 }
 
-impl<const N: usize, M: Copy> Residue<N, M> {
+impl<const N: usize, M: Copy + Send + Sync> Residue<N, M> {
     /// What is left of a draft: vertices with a cell, and those that are frozen, whose cells may be elsewhere.
     pub(super) fn of(draft: &Draft<N>, recall: impl Fn(VertexId) -> M, frozen: &Bits) -> Self {
         let is_frozen = |v: VertexId| v.0 < frozen.capacity() && frozen.contains(v.0);

@@ -67,7 +67,8 @@ pub(super) fn usual_price<const N: usize, O: RegionOperator<N>>(
     queue::median_above(&job.pool.install(|| counts.reduce(Vec::new, add)), above)
 }
 
-/// Coarsens all regions as far as the price, and tells the listener in their order.
+/// Coarsens all regions as far as the price, and tells the listener in their order: while some are worked on, those before
+/// them are told.
 pub(super) fn run<const N: usize, O: RegionOperator<N>, L: RegionListener<N>>(
     job: &Job<N, O>,
     partition: &Partition<N, O::Memory>,
@@ -75,36 +76,85 @@ pub(super) fn run<const N: usize, O: RegionOperator<N>, L: RegionListener<N>>(
     listener: &mut L,
     watch: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Done<N, O::Memory>, AnalysisError> {
-    let before = &partition.left;
-    let mut left = Remnant::with_capacity(before.positions.len() / 2, before.cells.len() / 2);
-    let (mut refusals, mut more) = (RefusalCounts::default(), false);
-    let mut cells = before.cells.len();
-    // Where the vertices that are frozen have come to be.
-    let mut number = vec![VertexId::NONE; before.positions.len()];
+    let mut told = Told::new(partition);
     let regions: Vec<usize> = (0..partition.len()).collect();
+    let mut worked_on: Vec<(usize, Coarsened<N, O::Memory, L>)> = Vec::new();
     for some in regions.chunks(TOGETHER) {
+        // What was worked on before counts as done, told or not, and is told before anybody may stop it.
+        let cells = told.cells - worked_on.iter().map(|(region, done)| done.gone(partition, *region)).sum::<usize>();
         if !watch(Progress { cells_in: job.cells_in, cells }) {
-            return Ok(Done { left, refusals, more, is_cancelled: true });
+            told.tell_all(worked_on, listener)?;
+            return Ok(Done { is_cancelled: true, ..told.done });
         }
-        let all = some.par_iter().map(|&region| {
+        let one = |&region: &usize| {
             let cells_min = share_of_cells(job, partition, partition.cells(region).len());
-            coarsen::<N, O, L>(job, partition, region, Until { price, cells: cells_min }, &mut |_| true)
-        });
-        let coarsened: Vec<_> = job.pool.install(|| all.collect::<Result<_, AnalysisError>>())?;
-        for (&region, Coarsened { heard, residue, refusals: refused, more: waits, .. }) in some.iter().zip(coarsened) {
-            refusals.add_all(&refused);
-            more |= waits;
-            let (vertices, own) = (partition.vertices(region), partition.cells(region));
-            cells -= own.len() - residue.cells.len();
+            let until = Until { price, cells: cells_min };
+            Ok((region, coarsen::<N, O, L>(job, partition, region, until, &mut |_| true)?))
+        };
+        let before = std::mem::take(&mut worked_on);
+        let work = || some.par_iter().map(one).collect::<Result<Vec<_>, AnalysisError>>();
+        let (now, telling) = job.pool.install(|| rayon::join(work, || told.tell_all(before, listener)));
+        telling?;
+        worked_on = now?;
+    }
+    told.tell_all(worked_on, listener)?;
+    Ok(told.finish())
+}
+
+/// What the listener has been told of a round, and what is left of the regions that it has heard of.
+struct Told<'a, const N: usize, M> {
+    partition: &'a Partition<N, M>,
+    done: Done<N, M>,
+    /// Where the vertices that are frozen have come to be.
+    number: Vec<VertexId>,
+    /// How many cells there are.
+    cells: usize,
+}
+
+impl<'a, const N: usize, M: Copy + Send + Sync> Told<'a, N, M> {
+    fn new(partition: &'a Partition<N, M>) -> Self {
+        let before = &partition.left;
+        let left = Remnant::with_capacity(before.positions.len() / 2, before.cells.len() / 2);
+        let done = Done { left, refusals: RefusalCounts::default(), more: false, is_cancelled: false };
+        let number = vec![VertexId::NONE; before.positions.len()];
+        Self { partition, done, number, cells: before.cells.len() }
+    }
+
+    /// Tells of regions in their order.
+    fn tell_all<L: RegionListener<N>>(
+        &mut self,
+        regions: Vec<(usize, Coarsened<N, M, L>)>,
+        listener: &mut L,
+    ) -> Result<(), AnalysisError> {
+        let before = &self.partition.left;
+        for (region, coarsened) in regions {
+            self.cells -= coarsened.gone(self.partition, region);
+            let Coarsened { heard, residue, refusals, more, .. } = coarsened;
+            self.done.refusals.add_all(&refusals);
+            self.done.more |= more;
+            let (vertices, own) = (self.partition.vertices(region), self.partition.cells(region));
             let names = listener.append(heard, &before.names[vertices.clone()], &before.cell_names[own])?;
-            residue.settle(&names, &mut left, &mut number[vertices]);
+            residue.settle(&names, &mut self.done.left, &mut self.number[vertices]);
         }
+        Ok(())
     }
-    for i in partition.between() {
-        left.cells.push(before.cells[i].map(|v| number[v.index()]));
-        left.cell_names.push(before.cell_names[i]);
+
+    /// What the round has left, when all regions are told.
+    fn finish(mut self) -> Done<N, M> {
+        let (before, left) = (&self.partition.left, &mut self.done.left);
+        for i in self.partition.between() {
+            left.cells.push(before.cells[i].map(|v| self.number[v.index()]));
+            left.cell_names.push(before.cell_names[i]);
+        }
+        self.done
     }
-    Ok(Done { left, refusals, more, is_cancelled: false })
+}
+
+impl<const N: usize, M: Copy + Send + Sync, L> Coarsened<N, M, L> {
+    /// How many cells the region has lost.
+    fn gone(&self, partition: &Partition<N, M>, region: usize) -> usize {
+        partition.cells(region).len() - self.residue.cells.len()
+    }
 }
 
 /// Coarsens all that is left as one region, as far as it goes.
