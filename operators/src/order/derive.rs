@@ -3,7 +3,7 @@
 
 use super::lowest::Lowest;
 use mt_core::hierarchy::HierarchyError;
-use mt_core::{NodeId, Replay};
+use mt_core::{CellId, NodeId, Replay};
 use rayon::prelude::*;
 
 type Entries = Vec<(NodeId, NodeId)>;
@@ -81,18 +81,22 @@ pub(super) fn four_face(replay: &Replay) -> Entries {
 /// that die. At a boundary there is one, which cannot coincide with another.
 pub(super) fn dual_piece(replay: &Replay) -> Entries {
     let lowest = Lowest::new(replay);
-    let cuts_of = |m: NodeId| {
-        let own = replay.span_at(m);
-        let third = move |cell: &mt_core::CellId| {
-            replay.cells()[cell.index()].iter().map(|&leaf| replay.rank(leaf)).find(|&rank| !own.contains(rank))
-        };
-        replay.born(m).iter().filter_map(third)
-    };
     let need = |m: u32| {
         let m = NodeId(m);
-        let mut cuts = cuts_of(m);
-        let (left, right) = (cuts.next()?, cuts.next()?);
-        // Nearly always the forest implies it, and then it need not be carried further.
+        let &[first, second] = replay.born(m) else { return None };
+        let own = replay.span_at(m);
+        // The third corner is the one that is not under the node. Chosen without a jump: processors guess half of them wrong.
+        let third = |cell: CellId| {
+            let [a, b, c] = replay.cells()[cell.index()].map(|leaf| replay.rank(leaf));
+            let rest = if own.contains(b) { c } else { b };
+            if own.contains(a) { rest } else { a }
+        };
+        let (left, right) = (third(first), third(second));
+        // Nearly always the forest implies it, and then it need not be carried further: what is above leaves on either side of
+        // the node is above the node.
+        if (left < own.first) != (right < own.first) {
+            return None;
+        }
         lowest.of(left, right).filter(|&node| !replay.is_ancestor(node, m)).map(|node| (m, node))
     };
     (0..replay.len()).into_par_iter().filter_map(need).collect()
