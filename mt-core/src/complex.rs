@@ -7,11 +7,14 @@
 use crate::cell::{Cell, Facet, facet};
 use crate::id::{CellId, VertexId};
 use crate::plan::Plan;
+use rayon::prelude::*;
 
 /// The place of a live cell in a [`Complex`]. Places are reused; names of cells in a model are [`crate::CellId`]s.
 pub type Slot = u32;
 
 const NONE: u32 = u32::MAX;
+/// Fewer cells than this are nothing to share among threads.
+const CELLS_MIN: usize = 1 << 16;
 
 /// A cell, of each of its corners the next corner (as `slot * N + i`) at the same vertex, and the cell's name. Side by
 /// side, because a walk around a vertex reads both; 32 bytes for triangles, so that none lies across two cache lines.
@@ -50,12 +53,10 @@ impl<const N: usize> Complex<N> {
     ///
     /// Requires: corners below `vertex_count`, and different within a cell.
     pub fn new(vertex_count: usize, cells: &[Cell<N>]) -> Self {
+        let place = |(i, &corners)| Place { corners, name: CellId::new(i), ..Place::FREE };
         let mut complex = Self {
-            cells: cells
-                .iter()
-                .enumerate()
-                .map(|(i, &corners)| Place { corners, name: CellId::new(i), ..Place::FREE })
-                .collect(),
+            // Memory that is written for the first time is what takes long in a large complex, so threads share in it.
+            cells: cells.par_iter().enumerate().with_min_len(CELLS_MIN).map(place).collect(),
             first: vec![NONE; vertex_count],
             free: Vec::new(),
             live: cells.len() as u32,

@@ -104,18 +104,19 @@ impl Replay {
         check(mesh, links, sequence)?;
         let merged_at = forest(sequence)?;
         let (merges, ranks) = spans(sequence, &merged_at);
-        let mut positions = mesh.positions.clone();
-        positions.extend_from_slice(&sequence.positions);
-        let nodes = sequence.children.iter().zip(&sequence.errors);
+        let nodes = sequence.children.par_iter().zip(&sequence.errors);
+        let node = |(&child, &error): (&VertexId, &f32)| Node { child, error, radius: 0.0, cone: Cone::EMPTY };
+        let (positions, cells) =
+            rayon::join(|| [&mesh.positions[..], &sequence.positions].concat(), || mesh.cells.clone());
         let mut replay = Replay {
-            cells: mesh.cells.clone(),
+            cells,
             links: links.to_vec(),
             positions,
             leaf_count: sequence.input_vertex_count,
             ranks: ranks_or_none(ranks),
             merged_at,
             merges,
-            nodes: nodes.map(|(&child, &error)| Node { child, error, radius: 0.0, cone: Cone::EMPTY }).collect(),
+            nodes: nodes.map(node).collect(),
             runs: runs(sequence),
             kept: kept(sequence),
             born: Born::Pairs(Vec::new()),

@@ -6,9 +6,10 @@
 
 use super::{Boundary, Merge, Metric, Offer, Place, RegionMetric, ends_of, fixed, put};
 use glam::{DMat3, DVec3};
-use mt_core::VertexId;
 use mt_core::analysis::{Draft, Unfit};
 use mt_core::mesh::area_vector;
+use mt_core::{Slot, VertexId};
+use rayon::prelude::*;
 use std::ops::{Add, AddAssign};
 
 /// Sum of weighted squared distances to planes: `p A p + 2 b p + c`. 88 bytes.
@@ -191,13 +192,7 @@ impl Metric for Quadrics {
 
     fn prepare(&self, draft: &Draft<3>, boundary: &Boundary<'_>) -> Result<Vec<Quadric>, Unfit> {
         let corners = |cell: [VertexId; 3]| cell.map(|v| draft.positions[v.index()].as_dvec3());
-        let mut quadrics = vec![Quadric::default(); draft.positions.len()];
-        for (_, &cell) in draft.complex.cells() {
-            let quadric = Quadric::of_triangle(corners(cell));
-            for v in cell {
-                quadrics[v.index()] += quadric;
-            }
-        }
+        let mut quadrics = of_triangles(draft);
         for edge in boundary.edges {
             let [a, b] = edge.ends.map(|v| draft.positions[v.index()].as_dvec3());
             let quadric = Quadric::of_boundary_edge(a, b, area_vector(corners(edge.cell)), boundary.weight);
@@ -227,6 +222,38 @@ impl Metric for Quadrics {
         let sum = quadrics[a.index()] + quadrics[b.index()];
         put(quadrics, merge.into, sum);
     }
+}
+
+/// Triangles whose quadrics are made at a time: enough for several threads, and few enough to stay in a cache.
+const TOGETHER: usize = 1 << 14;
+
+/// The sums of the quadrics of the triangles around each vertex, in the order of the triangles. While some are added up, the
+/// next are made.
+fn of_triangles(draft: &Draft<3>) -> Vec<Quadric> {
+    let make =
+        |&(_, cell): &(Slot, &[VertexId; 3])| Quadric::of_triangle(cell.map(|v| draft.positions[v.index()].as_dvec3()));
+    let mut sums = vec![Quadric::default(); draft.positions.len()];
+    let mut add = |cells: &[(Slot, &[VertexId; 3])], quadrics: &[Quadric]| {
+        for ((_, cell), quadric) in cells.iter().zip(quadrics) {
+            cell.iter().for_each(|v| sums[v.index()] += *quadric);
+        }
+    };
+    let mut cells = draft.complex.cells();
+    let mut take = || cells.by_ref().take(TOGETHER).collect::<Vec<_>>();
+    let mut these = take();
+    let mut quadrics: Vec<Quadric> = these.iter().map(make).collect();
+    while !these.is_empty() {
+        let next = take();
+        let made = if next.is_empty() {
+            add(&these, &quadrics);
+            Vec::new()
+        } else {
+            let work = || next.par_iter().with_min_len(TOGETHER / 8).map(make).collect();
+            rayon::join(work, || add(&these, &quadrics)).0
+        };
+        (these, quadrics) = (next, made);
+    }
+    sums
 }
 
 impl RegionMetric for Quadrics {

@@ -23,9 +23,9 @@ impl<const N: usize, M: Copy + Send + Sync> Remnant<N, M> {
         Self {
             positions: mesh.positions.clone(),
             memories,
-            names: (0..mesh.positions.len()).map(VertexId::new).collect(),
-            cells: mesh.cells.clone(),
-            cell_names: (0..mesh.cells.len()).map(CellId::new).collect(),
+            names: (0..mesh.positions.len()).into_par_iter().map(VertexId::new).collect(),
+            cells: mesh.cells.par_iter().copied().collect(),
+            cell_names: (0..mesh.cells.len()).into_par_iter().map(CellId::new).collect(),
         }
     }
 
