@@ -1,7 +1,7 @@
 //! What surrounds a vertex while a replay is built: bounds of patches, umbrellas, common neighbours.
 
 use crate::bound::Cone;
-use crate::cell::{Cell, is_short_cycle, sides};
+use crate::cell::{Cell, sides};
 use crate::complex::{Complex, Slot};
 use crate::id::VertexId;
 use crate::mesh::area_vector;
@@ -26,13 +26,18 @@ pub(super) struct Links {
     edges: Vec<[VertexId; 2]>,
     open: Vec<VertexId>,
     seen: Vec<bool>,
+    /// Of each vertex: the walk in which it was last seen, and who follows it there.
+    follower: Vec<(u32, VertexId)>,
+    /// The number of the last walk.
+    walk: u32,
 }
 
 impl Links {
-    /// What the triangles around `v` are. O(star log star), and of short links O(star²).
+    /// What the triangles around `v` are. O(star), where they agree on their sides and close; else O(star log star).
     pub(super) fn fan(&mut self, mesh: &Complex<3>, v: VertexId) -> Fan {
         mesh.link_edges(v, &mut self.edges);
-        if is_short_cycle(&self.edges) {
+        self.follower.resize(mesh.vertex_count(), (0, VertexId::NONE));
+        if self.is_cycle() {
             return Fan::Closed;
         }
         self.link.clear();
@@ -52,6 +57,32 @@ impl Links {
             return Fan::Other;
         }
         if ends == 0 { Fan::Closed } else { Fan::Open }
+    }
+
+    /// A quick yes: the edges of the link are one closed walk in which each begins where just one other ends.
+    fn is_cycle(&mut self) -> bool {
+        let Some(&[start, _]) = self.edges.first().filter(|_| self.edges.len() > 2) else { return false };
+        if self.walk == u32::MAX {
+            self.follower.fill((0, VertexId::NONE));
+            self.walk = 0;
+        }
+        self.walk += 1;
+        for &[from, to] in &self.edges {
+            if self.follower[from.index()].0 == self.walk {
+                return false;
+            }
+            self.follower[from.index()] = (self.walk, to);
+        }
+        // A walk that first comes back after as many steps as there are edges has taken each of them.
+        let mut at = start;
+        for step in 1..=self.edges.len() {
+            let (walk, next) = self.follower[at.index()];
+            if walk != self.walk || (next == start) != (step == self.edges.len()) {
+                return false;
+            }
+            at = next;
+        }
+        true
     }
 
     /// How many edges of the link can be walked to from `start`.

@@ -10,7 +10,7 @@ use super::portions::Portions;
 use super::replay::{Node, Replay};
 use crate::bound::Bound;
 use crate::cell::Cell;
-use crate::complex::Complex;
+use crate::complex::{Complex, Slot};
 use crate::id::{CellId, NodeId, VertexId};
 use glam::Vec3;
 use rustc_hash::FxHashMap;
@@ -65,19 +65,27 @@ impl<'a> Names<'a> {
         VertexId::new(self.portion.leaves.len() + place)
     }
 
+    #[inline]
     fn of(&mut self, v: VertexId) -> VertexId {
         let Portion { leaves, merges, .. } = self.portion;
         let own = match self.replay.merge_making(v) {
             None => {
-                let rank = self.replay.rank(v);
-                leaves.contains(&rank).then(|| VertexId(rank - leaves.start))
+                let place = self.replay.rank(v).wrapping_sub(leaves.start);
+                (place < leaves.end - leaves.start).then_some(VertexId(place))
             }
             Some(merge) => merges.binary_search(&merge).ok().map(|place| self.made(place)),
         };
-        if let Some(name) = own {
-            self.known[name.index()] = v;
-            return name;
+        match own {
+            Some(name) => {
+                self.known[name.index()] = v;
+                name
+            }
+            None => self.of_stranger(v),
         }
+    }
+
+    #[inline(never)]
+    fn of_stranger(&mut self, v: VertexId) -> VertexId {
         let next = VertexId::new(self.known.len());
         let name = *self.strangers.entry(v).or_insert(next);
         if name == next {
@@ -93,25 +101,14 @@ struct Step {
     node: NodeId,
     ends: [VertexId; 2],
     into: VertexId,
-    whose: Whose,
+    /// Whether others make it, across the cuts.
+    is_across: bool,
 }
 
-/// Whose node a step is.
-#[derive(Copy, Clone, PartialEq, Eq)]
-enum Whose {
-    Own,
-    /// Of another portion of leaves.
-    Other,
-    /// Of what lies across the cuts.
-    Across,
-}
-
-/// The nodes of the portion, and those of strangers among them, ascending.
-fn steps(names: &mut Names, portions: &Portions) -> Vec<Step> {
+/// The steps of the portion's nodes, ascending.
+fn own_steps(names: &mut Names) -> Vec<Step> {
     let (replay, portion) = (names.replay, names.portion);
-    let Some(&last) = portion.merges.last() else { return Vec::new() };
-    let last = *replay.run_of(last).end();
-    let mut steps = Vec::with_capacity(portion.merges.len() + portion.merges.len() / 4);
+    let mut steps = Vec::with_capacity(portion.merges.len());
     for (place, &merge) in portion.merges.iter().enumerate() {
         let into = names.made(place);
         let (first, end) = replay.run_of(merge).into_inner();
@@ -120,9 +117,16 @@ fn steps(names: &mut Names, portions: &Portions) -> Vec<Step> {
             let [stays, child] = replay.ends(node);
             let ends = [if node == first { names.of(stays) } else { into }, names.of(child)];
             ends.into_iter().filter(|&end| end != into).for_each(|end| names.is_taken[end.index()] = true);
-            steps.push(Step { node, ends, into, whose: Whose::Own });
+            steps.push(Step { node, ends, into, is_across: false });
         }
     }
+    steps
+}
+
+/// The steps by which others merge what is met here until the last node of the portion, ascending.
+fn steps_of_others(names: &mut Names, portions: &Portions, last: NodeId) -> Vec<Step> {
+    let replay = names.replay;
+    let mut steps = Vec::new();
     // What merges of others make may be met here for the first time, and be merged in its turn.
     let mut name = 0;
     while name < names.known.len() {
@@ -131,14 +135,14 @@ fn steps(names: &mut Names, portions: &Portions) -> Vec<Step> {
             let node = replay.merged_at(v);
             let made = replay.vertex(node);
             let into = names.of(made);
-            let whose = if portions.is_across(replay.span(made)) { Whose::Across } else { Whose::Other };
-            steps.push(Step { node, ends: [into, VertexId::new(name)], into, whose });
+            let is_across = portions.is_across(replay.span(made));
+            steps.push(Step { node, ends: [into, VertexId::new(name)], into, is_across });
         }
         name += 1;
     }
     // The centre goes before the child, as in a step of one's own: what comes of stars in which order is the same everywhere.
     let is_child = |step: &Step| names.known[step.ends[1].index()] == replay.node(step.node).child;
-    steps.sort_by_key(|step| (step.node, is_child(step)));
+    steps.sort_unstable_by(|a, b| a.node.cmp(&b.node).then_with(|| is_child(a).cmp(&is_child(b))));
     steps
 }
 
@@ -150,20 +154,20 @@ pub(super) fn find(replay: &Replay, portions: &Portions, portion: &Portion, trus
     let mut names = Names::new(replay, portion);
     let corners = |&cell: &u32| replay.cells[cell as usize].map(|v| names.of(v));
     let cells: Vec<Cell<3>> = portion.cells.iter().map(corners).collect();
-    let steps = steps(&mut names, portions);
+    let own = own_steps(&mut names);
+    let last = own.last().map(|step| step.node);
+    let others = last.map_or(Vec::new(), |last| steps_of_others(&mut names, portions, last));
     let place = |v: &VertexId| if v.is_none() { Vec3::ZERO } else { replay.positions[v.index()] };
     let positions: Vec<Vec3> = names.known.iter().map(place).collect();
     let mut finding = Finding::new(replay, portion, positions, &cells);
     finding.look_at_leaves(trusting);
     let mut crossed = Vec::new();
-    for step in &steps {
-        if step.whose == Whose::Across {
-            crossed.extend(finding.mesh.star(step.ends[1]).map(|(slot, _)| slot));
+    let mut others = others.iter().peekable();
+    for step in &own {
+        while let Some(other) = others.next_if(|other| other.node < step.node) {
+            finding.let_others(other, &mut crossed);
         }
-        match step.whose {
-            Whose::Own => finding.take(step, trusting),
-            _ => finding.mesh.join_star(step.ends[1], step.into, |slot, _, _, _| finding.patch.moved(slot)),
-        }
+        finding.take(step, trusting);
     }
     let Finding { mesh, mut found, .. } = finding;
     // Whatever has an own vertex that is not a root will be around a vertex across the cuts.
@@ -219,6 +223,15 @@ impl<'a> Finding<'a> {
             self.found.is_manifold &= fan != Fan::Other;
             self.is_closed[leaf.index()] = trusting && fan == Fan::Closed;
         }
+    }
+
+    /// Lets others make a step; keeps what comes to be around a vertex across the cuts.
+    fn let_others(&mut self, step: &Step, crossed: &mut Vec<Slot>) {
+        let from = step.ends[1];
+        if step.is_across {
+            crossed.extend(self.mesh.star(from).map(|(slot, _)| slot));
+        }
+        self.mesh.join_star(from, step.into, |slot, _, _, _| self.patch.moved(slot));
     }
 
     /// Makes a step of the portion.
