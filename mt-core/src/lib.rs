@@ -77,6 +77,7 @@
 //! ```
 
 pub mod analysis;
+mod bins;
 pub mod bits;
 pub mod bound;
 pub mod camera;

@@ -1,9 +1,10 @@
 //! From a sequence of merges to a replay: the forest, its spans, what each node makes appear, and saturated bounds.
 
 use super::portion::{Found, Portion, find};
-use super::portions::{Bins, Portions};
+use super::portions::Portions;
 use super::replay::{Born, Merge, Node, Replay, Runs, Span};
 use super::sequence::Sequence;
+use crate::bins::Bins;
 use crate::bits::Bits;
 use crate::bound::{Bound, Cone};
 use crate::cell::{Cell, is_proper};

@@ -7,7 +7,6 @@
 
 use super::replay::{Replay, Span};
 use crate::id::NodeId;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Runs of leaf ranks.
@@ -80,70 +79,5 @@ impl Portions {
     /// Whether a span lies across a cut.
     pub(super) fn is_across(&self, span: Span) -> bool {
         self.of_span(span) == self.len()
-    }
-}
-
-/// Numbers sorted into bins, ascending in each.
-pub(super) struct Bins {
-    /// Of each chunk of the numbers: where each bin begins, and the numbers bin by bin.
-    chunks: Vec<(Vec<u32>, Vec<u32>)>,
-}
-
-/// Numbers that one thread sorts at a time.
-const CHUNK: u32 = 1 << 16;
-
-impl Bins {
-    /// The numbers below `count`, each in the bins that `of` tells, in each of these once. O(numbers + bins × chunks).
-    pub(super) fn new<const K: usize>(count: u32, bins: usize, of: impl Fn(u32) -> [usize; K] + Sync) -> Self {
-        let chunk = |first: u32| {
-            let told: Vec<[usize; K]> = (first..(first + CHUNK).min(count)).map(&of).collect();
-            let once = |told: &[usize; K]| {
-                let told = *told;
-                (0..K).filter(move |&k| !told[..k].contains(&told[k])).map(move |k| told[k])
-            };
-            let mut starts = vec![0u32; bins + 1];
-            told.iter().flat_map(once).for_each(|bin| starts[bin + 1] += 1);
-            (0..bins).for_each(|bin| starts[bin + 1] += starts[bin]);
-            let mut next = starts.clone();
-            let mut items = vec![0; starts[bins] as usize];
-            for (number, told) in (first..).zip(&told) {
-                for bin in once(told) {
-                    items[next[bin] as usize] = number;
-                    next[bin] += 1;
-                }
-            }
-            (starts, items)
-        };
-        let chunks = (0..count.div_ceil(CHUNK)).into_par_iter().map(|i| chunk(i * CHUNK)).collect();
-        Self { chunks }
-    }
-
-    /// The numbers in a bin.
-    pub(super) fn of(&self, bin: usize) -> Vec<u32> {
-        let row = |(starts, items): &(Vec<u32>, Vec<u32>)| -> Vec<u32> {
-            items[starts[bin] as usize..starts[bin + 1] as usize].to_vec()
-        };
-        self.chunks.iter().flat_map(row).collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn every_number_is_in_its_bins_once(told in prop::collection::vec(prop::array::uniform2(0usize..5), 0..50), more in 0u32..2) {
-            // Over the end of a chunk as well.
-            let first = more * (CHUNK - 20);
-            let of = |number: u32| number.checked_sub(first).map_or([0, 0], |at| told[at as usize]);
-            let count = first + told.len() as u32;
-            let bins = Bins::new(count, 5, of);
-            for bin in 0..5 {
-                let slow: Vec<u32> = (0..count).filter(|&number| of(number).contains(&bin)).collect();
-                prop_assert_eq!(bins.of(bin), slow);
-            }
-        }
     }
 }

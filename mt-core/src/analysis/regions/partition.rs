@@ -1,5 +1,6 @@
 //! Between rounds: what is left of the mesh, numbered along a curve through space and cut into regions.
 
+use crate::bins::Bins;
 use crate::bits::Bits;
 use crate::cell::Cell;
 use crate::id::{CellId, VertexId};
@@ -124,20 +125,15 @@ impl<const N: usize, M: Copy + Send + Sync> Partition<N, M> {
     }
 
     fn sort_cells(&mut self, regions: usize) {
-        let of: Vec<u32> = self.left.cells.par_iter().map(|cell| self.region_of(cell, regions) as u32).collect();
-        let mut starts = vec![0usize; regions + 2];
-        of.iter().for_each(|&region| starts[region as usize + 1] += 1);
-        (0..=regions).for_each(|i| starts[i + 1] += starts[i]);
-        let mut next = starts.clone();
-        let mut order = vec![0u32; of.len()];
-        for (i, &region) in of.iter().enumerate() {
-            let at = &mut next[region as usize];
-            order[*at] = i as u32;
-            *at += 1;
-        }
-        drop(of);
+        let cells = &self.left.cells;
+        let bins = Bins::new(cells.len() as u32, regions + 1, |cell| [self.region_of(&cells[cell as usize], regions)]);
+        let sorted: Vec<Vec<u32>> = (0..=regions).into_par_iter().map(|region| bins.of(region)).collect();
+        drop(bins);
+        let mut starts = vec![0; regions + 1];
+        (0..regions).for_each(|region| starts[region + 1] = starts[region] + sorted[region].len());
+        let order = sorted.concat();
+        drop(sorted);
         self.left.reorder_cells(&order);
-        starts.truncate(regions + 1);
         self.cell_starts = starts;
         for i in self.between() {
             self.left.cells[i].iter().for_each(|v| _ = self.frozen.insert(v.0));
