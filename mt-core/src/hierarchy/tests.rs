@@ -170,6 +170,18 @@ fn portions_change_nothing() {
     }
 }
 
+#[test]
+fn threads_change_nothing() {
+    let mesh = generate::torus(60, 40);
+    let sequence = careless_merges(&mesh, 5);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| Replay::in_portions(&mesh, &[], &sequence, 50).unwrap())
+    };
+    let by_one = with(1);
+    assert!(with(2) == by_one && with(16) == by_one);
+}
+
 /// Merges along edges whose ends have two neighbours in common, and no vertex that has been near a merge.
 fn keeping_merges(mesh: &Mesh<3>) -> Sequence {
     let mut sequence = Sequence::new(mesh);

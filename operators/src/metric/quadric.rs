@@ -305,6 +305,18 @@ mod tests {
         prop::array::uniform3(-1f64..1.0).prop_map(DVec3::from)
     }
 
+    #[test]
+    fn sums_are_those_of_adding_up_in_a_row() {
+        let mesh = mt_core::generate::torus(160, 120);
+        assert!(mesh.cell_count() > 2 * TOGETHER);
+        let mut slow = vec![Quadric::default(); mesh.vertex_count()];
+        for cell in &mesh.cells {
+            let quadric = Quadric::of_triangle(cell.map(|v| mesh.positions[v.index()].as_dvec3()));
+            cell.iter().for_each(|v| slow[v.index()] += quadric);
+        }
+        assert!(of_triangles(&Draft::new(&mesh)) == slow);
+    }
+
     proptest! {
         #[test]
         fn value_is_the_squared_distance(a in point(), b in point(), c in point(), p in point()) {
