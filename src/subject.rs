@@ -3,8 +3,8 @@
 use crate::coarsening::replay_of;
 use crate::commands::CommandError;
 use crate::files::{self, FileError, Model};
-use clap::Args;
-use mt_core::format::{Format, LoadOptions};
+use clap::{Args, ValueEnum};
+use mt_core::format::{Format, LoadOptions, NonManifold};
 use operators::AnyOperator;
 use operators::order::Scheme;
 use std::path::{Path, PathBuf};
@@ -20,9 +20,38 @@ pub struct Subject {
     #[arg(long, value_name = "NAME[/METRIC]")]
     operator: Option<AnyOperator>,
     /// Of a mesh or a vertex hierarchy: what steps wait for: explicit, one-ring, cut-pair, four-face, dual-piece, implicit-ids,
-    /// implicit-ids-stored or dual-piece-free [default: dual-piece for a mesh, else what the model was built for]
+    /// implicit-ids-stored or dual-piece-free [default: dual-piece for a mesh, one-ring if its topology is coarsened, else what the model was built for]
     #[arg(long, value_name = "NAME")]
     dependency: Option<Scheme>,
+    /// Of a mesh: what to do with edges and vertices where several sheets meet
+    #[arg(long, value_enum, default_value_t = Sheets::Refuse)]
+    non_manifold: Sheets,
+}
+
+/// What is done where several sheets of a mesh meet.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sheets {
+    /// Refuse the mesh
+    Refuse,
+    /// Separate the sheets, and report it
+    Split,
+}
+
+impl Sheets {
+    /// For whoever loads a mesh.
+    pub fn options(self) -> LoadOptions {
+        let non_manifold = match self {
+            // Operators refuse it.
+            Self::Refuse => NonManifold::Keep,
+            Self::Split => NonManifold::Split,
+        };
+        LoadOptions { non_manifold, ..LoadOptions::default() }
+    }
+}
+
+/// What steps usually wait for: the most local scheme that takes what the operator makes.
+pub fn usual_scheme(operator: &AnyOperator) -> Scheme {
+    if operator.coarsens_topology() { Scheme::OneRing } else { Scheme::DualPiece }
 }
 
 impl Subject {
@@ -44,11 +73,11 @@ impl Subject {
                 }
             };
         }
-        let (mesh, report) = files::load_mesh(&self.model, &LoadOptions::default())?;
+        let (mesh, report) = files::load_mesh(&self.model, &self.non_manifold.options())?;
         eprint!("{report}");
         let operator = operator_or_usual(self.operator.as_ref())?;
         let replay = Arc::new(replay_of(&self.model, &mesh, &operator)?);
-        Ok(Model::Hierarchy { replay, scheme: self.dependency.unwrap_or(Scheme::DualPiece) })
+        Ok(Model::Hierarchy { replay, scheme: self.dependency.unwrap_or_else(|| usual_scheme(&operator)) })
     }
 }
 

@@ -240,7 +240,7 @@ fn a_visit() {
     assert_eq!((&frozen["eye"]["eye"], &frozen["triangles"]), (&turned["camera"]["eye"], &turned["triangles"]));
     window.key("shift+w");
     window.key("o");
-    let wired = window.picture_where(|told| told["shown"]["wire"] == true && told["shown"]["outline"] == true);
+    let wired = window.picture_where(|told| told["shown"]["wireframe"] == true && told["shown"]["outline"] == true);
     same_as_command(&window, &wired);
     window.key("u");
     let pieces = window.picture_where(|told| told["shown"]["pieces"] == true);
@@ -295,7 +295,7 @@ fn a_visit() {
 /// Runs the command that is told of a picture, and compares.
 fn same_as_command(window: &Window<'_>, told: &Value) {
     let stem = format!("{}-{:03}", window.stem, window.saved);
-    let command = told["command"].as_str().expect("a command").replace("NAME", &stem);
+    let command = told["command"].as_str().expect("a command");
     let words = command.split_whitespace().skip(1);
     let made = mtess().args(words).current_dir(&window.folder).output().expect("the command runs");
     assert!(made.status.success(), "{command}: {}", String::from_utf8_lossy(&made.stderr));
@@ -350,7 +350,7 @@ fn what_is_no_model_is_refused() {
         (&["missing.mt"], "missing.mt: no such file"),
         (&["model.obj", "--cameras", "cameras.json"], "cameras.json"),
         (&["model.obj", "--pixels", "0"], "--pixels"),
-        (&["model.obj", "-o", "nowhere"], "nowhere"),
+        (&["model.obj", "-o", "none.obj"], "none.obj"),
         (&["model.obj", "--dependency", "two-ring"], "two-ring"),
         (&["model.obj", "model.obj", "--beside", "cells"], "two panes"),
     ];

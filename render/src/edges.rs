@@ -10,7 +10,7 @@ use std::collections::HashSet;
 /// What edges are drawn, and in which colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Edges<'a> {
-    /// Those of one triangle in blue, those of more than two in red.
+    /// Those of one triangle in blue, those of more than two in violet.
     Boundary,
     /// The same, and in red those of one triangle that are not where the boundary must be: cracks, if there ever is one.
     /// Pairs of vertices in ascending order.
@@ -20,7 +20,8 @@ pub enum Edges<'a> {
 }
 
 const OPEN: Rgba = [30, 90, 200, 255];
-const SEWN: Rgba = [220, 30, 40, 255];
+const SEWN: Rgba = [140, 50, 190, 255];
+const CRACK: Rgba = [220, 30, 40, 255];
 const OUTLINE: Rgba = [10, 10, 12, 255];
 
 impl Scene {
@@ -47,7 +48,7 @@ impl Scene {
 /// How an edge of these triangles is drawn, if it is.
 fn style(positions: &[Vec3], cells: &[Cell<3>], run: &[([VertexId; 2], u32)], which: Edges<'_>) -> Option<(Rgba, f32)> {
     match (which, run.len()) {
-        (Edges::Cracks(boundary), 1) if !boundary.contains(&run[0].0) => Some((SEWN, 5.0)),
+        (Edges::Cracks(boundary), 1) if !boundary.contains(&run[0].0) => Some((CRACK, 5.0)),
         (Edges::Boundary | Edges::Cracks(_), 1) => Some((OPEN, 2.5)),
         (Edges::Boundary | Edges::Cracks(_), 2) => None,
         (Edges::Boundary | Edges::Cracks(_), _) => Some((SEWN, 3.5)),
@@ -96,7 +97,7 @@ mod tests {
             .collect();
         let mut scene = encode(&fan, &Look::default());
         scene.add_edges(&fan.positions, &fan.cells, Edges::Cracks(&sides));
-        assert_eq!(scene.marks.iter().filter(|segment| segment.colour == SEWN).count(), 3);
+        assert_eq!(scene.marks.iter().filter(|segment| segment.colour == CRACK).count(), 2);
     }
 
     #[test]

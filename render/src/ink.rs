@@ -154,7 +154,7 @@ impl Pen {
             let bottom = Vec2::new(high.x, top.y + step);
             self.quad(top, bottom, 1.0, legend.ramp.knot(upper), legend.ramp.knot(lower));
         }
-        let caption = Vec2::new(high.x + frame.x, low.y - 12.0 * unit);
+        let caption = Vec2::new(high.x + frame.x, low.y - 20.0 * unit);
         self.text(legend.caption, caption, unit * 2.0);
         for (share, label) in ticks(legend.range) {
             let y = (high.y - share * (high.y - low.y)).round();

@@ -10,10 +10,15 @@ use std::collections::HashSet;
 /// Where two dual pieces meet.
 const BORDER: Rgba = [40, 40, 44, 255];
 
+/// More pieces than that have no lines around them.
+const MOST_OUTLINED: usize = 20_000;
+
 /// The dual pieces of `[KimLee2001]` over an input mesh: around each vertex the part of its triangles that is nearer to it, in the colour of
-/// `piece`, and lines where two pieces meet, relative to `origin`. 6 times the triangles.
+/// `piece`, and lines where two of not too many pieces meet, relative to `origin`. 6 times the triangles.
 pub fn dual_pieces(mesh: &Mesh<3>, origin: Vec3, piece: impl Fn(VertexId) -> VertexId) -> Scene {
     let pieces: HashSet<VertexId> = (0..mesh.positions.len()).map(|v| piece(VertexId::new(v))).collect();
+    // Where pieces are no larger than lines are wide, colours have to do.
+    let lines = pieces.len() <= MOST_OUTLINED;
     // Lines as wide as pieces would hide them.
     let width_px = if pieces.len() > 1000 { 0.5 } else { 1.2 };
     let mut scene = Scene { origin, ..Scene::default() };
@@ -29,7 +34,7 @@ pub fn dual_pieces(mesh: &Mesh<3>, origin: Vec3, piece: impl Fn(VertexId) -> Ver
             for p in [at[i], after, middle, at[i], middle, before] {
                 scene.corners.push(Corner { position: p.to_array(), normal, colour });
             }
-            if pieces[i] != pieces[next] {
+            if lines && pieces[i] != pieces[next] {
                 let (from, to) = (after.to_array(), middle.to_array());
                 scene.marks.push(Segment { from, to, colour: BORDER, width_px });
             }

@@ -6,10 +6,11 @@ use crate::files::{self, FileError};
 use crate::kept::Kept;
 use crate::memory::peak_bytes;
 use crate::progress::{Clock, interrupted};
+use crate::subject::Sheets;
 use clap::{Args, ValueEnum};
 use mt_core::analysis::{Options, Regions};
 use mt_core::container::{Meta, Storage};
-use mt_core::format::{LoadOptions, LoadReport, NonManifold};
+use mt_core::format::{LoadOptions, LoadReport};
 use mt_core::{ErrorKind, Mesh, RefusalCounts, history};
 use operators::AnyOperator;
 use operators::edge_collapse::BoundaryRule;
@@ -124,14 +125,6 @@ enum Boundary {
     Locked,
 }
 
-#[derive(ValueEnum, Clone, Copy)]
-enum Sheets {
-    /// Refuse the mesh
-    Refuse,
-    /// Separate the sheets, and report it
-    Split,
-}
-
 impl Build {
     pub fn run(self) -> Result<ExitCode, CommandError> {
         files::check_output(&self.output, "a model", "mt")?;
@@ -143,11 +136,8 @@ impl Build {
         let history = self.history.as_deref().map(|path| files::open_lines(path).map(|lines| (path, lines)));
         let history = history.transpose()?;
         let clock = Clock::start();
-        let non_manifold = match self.non_manifold {
-            Sheets::Refuse => NonManifold::Keep,
-            Sheets::Split => NonManifold::Split,
-        };
-        let (mesh, report) = files::load_mesh(&self.model, &LoadOptions { weld: !self.no_weld, non_manifold })?;
+        let options = LoadOptions { weld: !self.no_weld, ..self.non_manifold.options() };
+        let (mesh, report) = files::load_mesh(&self.model, &options)?;
         let load_s = clock.wall();
         if !self.json {
             eprint!("{report}");

@@ -31,7 +31,7 @@ pub struct Movie {
     /// Draw the triangles' edges
     #[arg(long)]
     wireframe: bool,
-    /// Draw edges of one triangle, blue, and of more than two, red
+    /// Draw edges of one triangle, blue, and of more than two, violet
     #[arg(long)]
     boundary: bool,
     /// See each frame's mesh and frustum from outside

@@ -72,7 +72,7 @@ enum Overlay {
     Normals,
     /// The dual pieces of the mesh's vertices over the input; of vertex hierarchies
     Pieces,
-    /// Edges of one triangle, blue, of more than two and where a crack is, red
+    /// Edges of one triangle, blue, of more than two, violet, and cracks, red
     Boundary,
     /// The outline as the camera sees it
     Outline,

@@ -6,14 +6,12 @@ use crate::files::{self, FileError, Model};
 use crate::kept::Kept;
 use crate::progress::interrupted;
 use crate::selection;
-use crate::subject::is_mesh;
+use crate::subject::{Sheets, is_mesh, usual_scheme};
 use clap::Args;
 use glam::Vec3;
-use mt_core::format::LoadOptions;
 use mt_core::log::Log;
 use mt_core::{Explicit, Mesh, Replay};
 use operators::AnyOperator;
-use operators::order::Scheme;
 use papers::study::{DependencyKind, built_in};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -30,7 +28,11 @@ pub struct View {
     /// Of meshes: what coarsens them, as in `mtess build` [default: edge-collapse]
     #[arg(long, value_name = "NAME[/METRIC]")]
     operator: Option<AnyOperator>,
-    /// What steps wait for: cells, or a scheme as in `mtess build` [default: dual-piece for a mesh, else as the model was built]
+    /// Of meshes: what to do with edges and vertices where several sheets meet
+    #[arg(long, value_enum, default_value_t = Sheets::Refuse)]
+    non_manifold: Sheets,
+    /// What steps wait for: cells, or a scheme as in `mtess build` [default: dual-piece for a mesh, one-ring if its topology is
+    /// coarsened, else as the model was built]
     #[arg(long, value_name = "NAME")]
     dependency: Option<DependencyKind>,
     /// A second pane of the same model, under this dependency
@@ -40,7 +42,7 @@ pub struct View {
     #[arg(long, value_name = "FILE.json")]
     cameras: Option<PathBuf>,
     /// A log to walk along, as `mtess bisect` and `mtess verify` write it; it begins at its first step
-    #[arg(long, value_name = "FILE.log")]
+    #[arg(long, value_name = "FILE.steps")]
     log: Option<PathBuf>,
     /// Largest error on the screen, in pixels
     #[arg(long, value_name = "PX", default_value_t = 1.0)]
@@ -62,7 +64,8 @@ impl View {
         if self.beside.is_some() && self.models.len() == 2 {
             return Err(CommandError::Other("there are two panes: two models, or one with --beside".into()));
         }
-        files::check_folder(&self.output)?;
+        files::make_folder(&self.output)?;
+        files::check_writable(&self.output)?;
         let path = self.cameras.as_deref().map(|path| selection::cameras(Some(path), 0, &[])).transpose()?;
         let sources = Arc::new(self.sources()?);
         let kept = Arc::clone(&sources);
@@ -109,7 +112,7 @@ impl View {
 
     fn source(&self, path: &Path) -> Result<Source, CommandError> {
         if is_mesh(path) {
-            let (mesh, report) = files::load_mesh(path, &LoadOptions::default())?;
+            let (mesh, report) = files::load_mesh(path, &self.non_manifold.options())?;
             eprint!("{report}");
             return self.of_mesh(path, mesh, Loaded::Mesh);
         }
@@ -132,9 +135,9 @@ impl View {
 
     fn of_mesh(&self, path: &Path, mesh: Mesh<3>, loaded: Loaded) -> Result<Source, CommandError> {
         let operator = crate::subject::operator_or_usual(self.operator.as_ref())?;
-        let dependency = self.dependency.unwrap_or(DependencyKind::Scheme(Scheme::DualPiece));
+        let dependency = self.dependency.unwrap_or_else(|| DependencyKind::Scheme(usual_scheme(&operator)));
         let came = Choice { operator: None, dependency };
-        Ok(Source::new(path, mesh, loaded, came, operator.name()))
+        Ok(Source { sheets: self.non_manifold, ..Source::new(path, mesh, loaded, came, operator.name()) })
     }
 }
 
@@ -155,6 +158,7 @@ struct Source {
     loaded: Loaded,
     came: Choice,
     made_by: String,
+    sheets: Sheets,
     /// By operator.
     cells: Shelf<Arc<Explicit<3>>>,
     replays: Shelf<Arc<Replay>>,
@@ -164,7 +168,7 @@ impl Source {
     fn new(path: &Path, mesh: Mesh<3>, loaded: Loaded, came: Choice, made_by: String) -> Self {
         let extent = Extent::of(&mesh);
         let (cells, replays) = Default::default();
-        Self { path: path.to_owned(), mesh, extent, loaded, came, made_by, cells, replays }
+        Self { path: path.to_owned(), mesh, extent, loaded, came, made_by, sheets: Sheets::Refuse, cells, replays }
     }
 
     /// The words by which other commands load it under a choice.
@@ -175,7 +179,8 @@ impl Source {
         match (&self.loaded, choice.dependency) {
             (Loaded::Generated, _) => None,
             (Loaded::Mesh, DependencyKind::Scheme(scheme)) => {
-                Some(format!("{path} --operator {operator} --dependency {scheme}"))
+                let split = if self.sheets == Sheets::Split { " --non-manifold split" } else { "" };
+                Some(format!("{path} --operator {operator} --dependency {scheme}{split}"))
             }
             (Loaded::Cells(_), DependencyKind::Cells) if as_it_came => Some(path),
             (Loaded::Merges(_), DependencyKind::Scheme(scheme)) if as_it_came => {
@@ -259,17 +264,22 @@ fn quoted(name: &str) -> String {
     if name.chars().all(plain) { name.to_owned() } else { format!("'{}'", name.replace('\'', "'\\''")) }
 }
 
-/// Writes files under the first free name: `bunny-picture-001.png` and so on.
+/// Writes files under the first free name: `bunny-picture-001.png` and so on; in texts that is what `NAME` comes to.
 fn written(folder: &Path, stem: &str, what: &str, files: &[File]) -> Result<String, String> {
     let name = |number: u32| format!("{stem}-{what}-{number:03}");
     let is_free =
         |number: &u32| files.iter().all(|(ending, _)| !folder.join(format!("{}.{ending}", name(*number))).exists());
     let number = (1..100_000).find(is_free).ok_or("the folder is full of pictures")?;
+    let stem_of_all = folder.join(name(number)).display().to_string();
     for (ending, bytes) in files {
         let path = folder.join(format!("{}.{ending}", name(number)));
-        files::write_bytes(&path, bytes).map_err(|error| error.to_string())?;
+        let bytes = match std::str::from_utf8(bytes) {
+            Ok(text) if *ending == "json" => text.replace("NAME.", &format!("{stem_of_all}.")).into_bytes(),
+            _ => bytes.clone(),
+        };
+        files::write_bytes(&path, &bytes).map_err(|error| error.to_string())?;
     }
-    Ok(folder.join(name(number)).display().to_string())
+    Ok(stem_of_all)
 }
 
 /// A line on what was seen last.

@@ -54,10 +54,11 @@ pub fn show(ui: &mut Ui, viewer: &Viewer) {
     for (i, curve) in CURVES.iter().enumerate() {
         let corner = area.left_top() + vec2(width * i as f32, 0.0);
         let part = Rect::from_min_size(corner, vec2(width, HEIGHT)).shrink(6.0);
+        let all = if viewer.panes.len() == 2 && curve.name != "adapt" { ", both" } else { "" };
         let most = viewer.records.iter().map(curve.value).fold(0.0, f64::max);
         bars(&painter, part, viewer, curve, most);
         let text =
-            format!("{}  {}  (most {})", curve.name, (curve.written)((curve.value)(&last)), (curve.written)(most));
+            format!("{}{all}  {}  (most {})", curve.name, (curve.written)((curve.value)(&last)), (curve.written)(most));
         painter.text(part.left_top(), Align2::LEFT_TOP, text, FontId::proportional(11.0), curve.colour);
     }
 }

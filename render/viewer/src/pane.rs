@@ -85,6 +85,8 @@ pub struct Pane {
     /// The view that is shown.
     pub view: Box<dyn AnyView>,
     waiting: Option<Waiting>,
+    /// What was chosen last, whether it can be made or not: whoever asks for the next one gets beyond it.
+    pub tried: Choice,
     /// The last frame.
     pub facts: FrameFacts,
     /// What was pointed at.
@@ -113,6 +115,7 @@ impl Pane {
     pub fn new(model: usize, choice: Choice, view: Box<dyn AnyView>) -> Self {
         Self {
             model,
+            tried: choice.clone(),
             choice,
             view,
             waiting: None,
@@ -152,6 +155,7 @@ impl Pane {
         if *self.chosen() == choice {
             return;
         }
+        self.tried = choice.clone();
         if self.choice == choice {
             self.waiting = None;
             return;

@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 /// A file to be written: its ending, and its bytes.
 pub type File = (&'static str, Vec<u8>);
 
-/// Writes files that belong together under one new name, that tells of which model they are and what; gives the name, or says
-/// why not.
+/// Writes files that belong together under one new name, that tells of which model they are and what; `NAME.` in texts of JSON
+/// becomes that name. Gives the name, or says why not.
 pub type Save = Box<dyn FnMut(usize, &str, &[File]) -> Result<String, String>>;
 
 /// What is beside a picture: model, question, camera, counts, and the command that makes it again where one does.
@@ -29,11 +29,11 @@ pub fn facts(viewer: &Viewer, pane: &Pane, camera: &Camera) -> Value {
         "error_share": ask.error_share,
         "budget": ask.cells,
         "shown": {
-            "wire": viewer.shown.wire,
+            "wireframe": viewer.shown.wire,
             "tint": viewer.shown.tint.name(),
-            "edges": viewer.shown.edges,
+            "boundary": viewer.shown.edges,
             "outline": viewer.shown.outline,
-            "pieces": viewer.shown.pieces,
+            "pieces": viewer.shown.pieces && pane.has_pieces(),
         },
         "frozen": viewer.frozen.is_some(),
         "camera": camera,

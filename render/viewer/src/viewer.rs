@@ -238,7 +238,7 @@ impl Viewer {
             Action::NextTint => self.shown.tint = next(&Tint::ALL, self.shown.tint, 1),
             Action::Edges => self.shown.edges ^= true,
             Action::Outline => self.shown.outline ^= true,
-            Action::Pieces => self.shown.pieces ^= true,
+            Action::Pieces => self.show_pieces(),
             Action::NextScheme => self.next_scheme(1),
             Action::LastScheme => self.next_scheme(-1),
             Action::NextOperator => self.next_operator(),
@@ -270,6 +270,14 @@ impl Viewer {
         None
     }
 
+    fn show_pieces(&mut self) {
+        self.shown.pieces ^= true;
+        if self.shown.pieces && self.panes.iter_mut().all(|pane| pane.pieces().is_none()) {
+            self.shown.pieces = false;
+            self.message = "dual pieces are of vertex hierarchies: choose another scheme than cells".into();
+        }
+    }
+
     fn freeze(&mut self, size: [u32; 2]) {
         match self.frozen.take() {
             // Back to where the mesh was made for.
@@ -280,12 +288,12 @@ impl Viewer {
 
     fn next_scheme(&mut self, by: isize) {
         let all: Vec<DependencyKind> = DependencyKind::all().collect();
-        let chosen = self.panes[self.active].chosen().clone();
+        let chosen = self.panes[self.active].tried.clone();
         self.choose(self.active, Choice { dependency: next(&all, chosen.dependency, by), ..chosen });
     }
 
     fn next_operator(&mut self) {
-        let chosen = self.panes[self.active].chosen().clone();
+        let chosen = self.panes[self.active].tried.clone();
         self.choose(self.active, Choice { operator: next(&operators(), chosen.operator.clone(), 1), ..chosen });
     }
 

@@ -54,6 +54,9 @@ impl Watched {
             told.store(true, Ordering::Relaxed);
             wake.request_repaint();
         });
+        // What the window itself asks for in vain, such as a surface that is too large, ends it too: there is no drawing on.
+        let told = Arc::clone(&self.told);
+        device.on_uncaptured_error(Arc::new(move |_: wgpu::Error| told.store(true, Ordering::Relaxed)));
         *self.device.borrow_mut() = Some(device.clone());
     }
 }
@@ -221,7 +224,7 @@ impl App {
             Chore::Log => {
                 let mut text = Vec::new();
                 let done = pane.view.log().write(&mut text).map_err(|error| error.to_string());
-                done.and_then(|()| save(model, "log", &[("log", text)]))
+                done.and_then(|()| save(model, "log", &[("steps", text)]))
             }
             Chore::Window => {
                 let tell = self.shots.0.clone();
@@ -308,7 +311,7 @@ fn say(viewer: &mut Viewer, written: Result<String, String>) {
 
 /// What keys ask for, in their order, where no field takes them.
 fn keyed(ui: &Ui) -> Vec<Action> {
-    if ui.ctx().egui_wants_keyboard_input() {
+    if ui.ctx().text_edit_focused() {
         return Vec::new();
     }
     let is_busy = ui.memory(|memory| memory.focused().is_some());
@@ -330,7 +333,7 @@ fn keyed(ui: &Ui) -> Vec<Action> {
 
 /// The camera by keys that are held; whether any is.
 fn hold(ui: &Ui, viewer: &mut Viewer) -> bool {
-    if ui.ctx().egui_wants_keyboard_input() {
+    if ui.ctx().text_edit_focused() {
         return false;
     }
     let is_busy = ui.memory(|memory| memory.focused().is_some());

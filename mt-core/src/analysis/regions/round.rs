@@ -42,9 +42,9 @@ struct Coarsened<const N: usize, M, L> {
     more: bool,
 }
 
-/// So many regions are worked on before they are told. The same for any number of threads, so that whoever stops the work
-/// stops it at the same place.
-const TOGETHER: usize = 32;
+/// So many regions are worked on while as many are told. The same for any number of threads, so that whoever stops the work
+/// stops it at the same place; twice as many take a tenth more memory on a million triangles and no less time.
+const TOGETHER: usize = 16;
 /// So many regions are asked for their prices.
 const SAMPLES: usize = 6;
 /// Of the cells that are wanted in the end, so many are left to the last round, which has one queue for all.
