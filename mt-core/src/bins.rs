@@ -8,14 +8,16 @@ pub(crate) struct Bins {
     chunks: Vec<(Vec<u32>, Vec<u32>)>,
 }
 
-/// Numbers that one thread sorts at a time.
+/// Numbers that one thread sorts at a time, at least; four times as many as there are bins, if that is more, so that where bins
+/// begin takes no more than what is in them.
 const CHUNK: u32 = 1 << 16;
 
 impl Bins {
     /// The numbers below `count`, each in the bins that `of` tells, in each of these once. O(numbers + bins × chunks).
     pub(crate) fn new<const K: usize>(count: u32, bins: usize, of: impl Fn(u32) -> [usize; K] + Sync) -> Self {
+        let size = u32::try_from(4 * bins).unwrap_or(u32::MAX).max(CHUNK);
         let chunk = |first: u32| {
-            let told: Vec<[usize; K]> = (first..(first + CHUNK).min(count)).map(&of).collect();
+            let told: Vec<[usize; K]> = (first..first.saturating_add(size).min(count)).map(&of).collect();
             let once = |told: &[usize; K]| {
                 let told = *told;
                 (0..K).filter(move |&k| !told[..k].contains(&told[k])).map(move |k| told[k])
@@ -33,16 +35,16 @@ impl Bins {
             }
             (starts, items)
         };
-        let chunks = (0..count.div_ceil(CHUNK)).into_par_iter().map(|i| chunk(i * CHUNK)).collect();
+        let chunks = (0..count.div_ceil(size)).into_par_iter().map(|i| chunk(i * size)).collect();
         Self { chunks }
     }
 
     /// The numbers in a bin.
     pub(crate) fn of(&self, bin: usize) -> Vec<u32> {
-        let row = |(starts, items): &(Vec<u32>, Vec<u32>)| -> Vec<u32> {
-            items[starts[bin] as usize..starts[bin + 1] as usize].to_vec()
-        };
-        self.chunks.iter().flat_map(row).collect()
+        let rows = || self.chunks.iter().map(|(starts, items)| &items[starts[bin] as usize..starts[bin + 1] as usize]);
+        let mut all = Vec::with_capacity(rows().map(<[u32]>::len).sum());
+        rows().for_each(|row| all.extend_from_slice(row));
+        all
     }
 }
 

@@ -138,6 +138,11 @@ impl Cone {
         Some((DVec3::from(self.axis.map(f64::from)), sine, cosine))
     }
 
+    /// Whether it is one that is made here, and not bytes from anywhere: only without normals is there no axis.
+    pub fn is_valid(self) -> bool {
+        (self.angle == 255) == (self.axis == [0; 3])
+    }
+
     /// A cone about `axis` that holds everything within `angle` radians of it, rounded outwards.
     pub fn new(axis: Vec3, angle: f32) -> Self {
         let Some(axis) = axis.try_normalize() else { return Self::ALL };
@@ -199,10 +204,10 @@ impl Cone {
         static APART: LazyLock<[f64; 255]> = LazyLock::new(|| {
             std::array::from_fn(|steps| (steps as f64 * std::f64::consts::PI / f64::from(STEPS) - 1e-4).cos())
         });
-        if other == Self::EMPTY || self.angle == 254 {
+        if other.angle == 255 || self.angle == 254 {
             return true;
         }
-        if self == Self::EMPTY || self.angle < other.angle {
+        if self.angle == 255 || self.angle < other.angle {
             return false;
         }
         if self.axis == other.axis || self.angle == other.angle {
@@ -231,6 +236,25 @@ pub fn cone_of_cells<const N: usize>(cells: &[[Vec3; N]], scratch: &mut Vec<Vec3
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    /// Whatever the bytes, there is an answer, and for those that are cones the one that arcs give.
+    #[test]
+    fn every_pair_of_angles_is_compared() {
+        let axes: [[i8; 3]; 5] = [[127, 0, 0], [127, 1, -3], [-128, 127, 5], [0, 0, 0], [-127, 0, 0]];
+        for (i, j) in (0..axes.len()).flat_map(|i| (0..axes.len()).map(move |j| (i, j))) {
+            for (a, b) in (0..=255u8).flat_map(|a| (0..=255u8).map(move |b| (a, b))) {
+                let (one, other) = (Cone { axis: axes[i], angle: a }, Cone { axis: axes[j], angle: b });
+                let told = one.contains(other);
+                let (true, true) = (one.is_valid(), other.is_valid()) else { continue };
+                let (Some((axis, angle)), Some((axis_b, angle_b))) = (one.get(), other.get()) else { continue };
+                if a == 254 || axes[i] == axes[j] {
+                    continue;
+                }
+                let room = f64::from(angle) - f64::from(angle_b) - f64::from(axis.angle_between(axis_b));
+                assert!(!(room > 2e-3 && !told) && !(room < -2e-3 && told), "{one:?} {other:?}");
+            }
+        }
+    }
 
     fn point() -> impl Strategy<Value = Vec3> {
         prop::array::uniform3(-1000f32..1000.0).prop_map(Vec3::from)

@@ -48,6 +48,9 @@ pub enum Invalid {
         /// The cell.
         cell: CellId,
     },
+    /// The bound of a modification has a cone of normals that is none.
+    #[error("the cone of normals of node {0} is none")]
+    Cone(NodeId),
     /// Two modifications kill the same cell.
     #[error("cell {cell} is killed twice, the second time by node {node}")]
     KilledTwice {
@@ -113,13 +116,16 @@ impl<const N: usize> Parts<N> {
         }
     }
 
-    /// Bounds are finite; those of coordinates near the largest float are not.
+    /// Bounds are finite, which those of coordinates near the largest float are not, and have cones that are cones.
     pub(super) fn check_bounds(&self) -> Result<(), Invalid> {
         let bad = |b: &Bound| {
             !(b.center.is_finite() && b.radius >= 0.0 && b.radius.is_finite() && b.error >= 0.0 && b.error.is_finite())
         };
         if let Some(index) = self.bounds.iter().position(bad) {
             return Err(Invalid::NotFinite { what: "bound", index: index as u32 });
+        }
+        if let Some(index) = self.bounds.iter().position(|b| !b.cone.is_valid()) {
+            return Err(Invalid::Cone(NodeId::new(index)));
         }
         Ok(())
     }

@@ -147,13 +147,16 @@ impl Replay {
         let trusting = self.links.is_empty();
         let mut found = self.find_in(&portions, &merges, &cells, trusting);
         if trusting && found.iter().any(|found| !found.sewn.is_empty()) {
+            drop(found);
             found = self.find_in(&portions, &merges, &cells, false);
         }
         drop(cells);
         self.is_manifold = found.iter().all(|found| found.is_manifold);
         self.sewn = found.iter().flat_map(|found| &found.sewn).copied().collect();
         self.sewn.sort_unstable();
-        let merges: Vec<Vec<u32>> = (0..=all).map(|portion| merges.of(portion)).collect();
+        let sorted = merges;
+        let merges: Vec<Vec<u32>> = (0..=all).map(|portion| sorted.of(portion)).collect();
+        drop(sorted);
         self.take_in(&merges, found);
         for &merge in &merges[all] {
             let (first, last) = self.run_of(merge).into_inner();

@@ -146,6 +146,11 @@ impl Patch {
         self.positions[v.index()]
     }
 
+    /// Puts a vertex somewhere, none of whose cells has been looked at.
+    pub(super) fn put(&mut self, v: VertexId, at: Vec3) {
+        self.positions[v.index()] = at;
+    }
+
     /// Forgets the normal of a cell whose corner has moved while nobody looked at it.
     pub(super) fn moved(&mut self, slot: Slot) {
         self.normals[slot as usize] = Vec3::NAN;

@@ -14,6 +14,8 @@ use crate::complex::{Complex, Slot};
 use crate::id::{CellId, NodeId, VertexId};
 use glam::Vec3;
 use rustc_hash::FxHashMap;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::ops::Range;
 
 /// What belongs to a portion, and what it is replayed on.
@@ -101,8 +103,6 @@ struct Step {
     node: NodeId,
     ends: [VertexId; 2],
     into: VertexId,
-    /// Whether others make it, across the cuts.
-    is_across: bool,
 }
 
 /// The steps of the portion's nodes, ascending.
@@ -117,36 +117,74 @@ fn own_steps(names: &mut Names) -> Vec<Step> {
             let [stays, child] = replay.ends(node);
             let ends = [if node == first { names.of(stays) } else { into }, names.of(child)];
             ends.into_iter().filter(|&end| end != into).for_each(|end| names.is_taken[end.index()] = true);
-            steps.push(Step { node, ends, into, is_across: false });
+            steps.push(Step { node, ends, into });
         }
     }
     steps
 }
 
-/// The steps by which others merge what is met here until the last node of the portion, ascending.
-fn steps_of_others(names: &mut Names, portions: &Portions, last: NodeId) -> Vec<Step> {
-    let replay = names.replay;
-    let mut steps = Vec::new();
-    // What merges of others make may be met here for the first time, and be merged in its turn.
-    let mut name = 0;
-    while name < names.known.len() {
-        let v = names.known[name];
-        if !v.is_none() && !names.is_taken[name] && replay.merged_at(v) <= last {
-            let node = replay.merged_at(v);
-            let made = replay.vertex(node);
-            let into = names.of(made);
-            let is_across = portions.is_across(replay.span(made));
-            steps.push(Step { node, ends: [into, VertexId::new(name)], into, is_across });
-        }
-        name += 1;
-    }
-    // The centre goes before the child, as in a step of one's own: what comes of stars in which order is the same everywhere.
-    let is_child = |step: &Step| names.known[step.ends[1].index()] == replay.node(step.node).child;
-    steps.sort_unstable_by(|a, b| a.node.cmp(&b.node).then_with(|| is_child(a).cmp(&is_child(b))));
-    steps
+/// What is met in a portion and merged by others. It is followed as long as it has triangles here, and what it comes to be is
+/// named when that happens: a chain of merges elsewhere may be long, and mean nothing here.
+struct Others<'a> {
+    names: Names<'a>,
+    portions: &'a Portions,
+    /// The last node of the portion.
+    last: NodeId,
+    /// Who is merged when. At one node the centre goes before the child, as in a step of one's own: what comes of stars in
+    /// which order is the same everywhere.
+    waiting: BinaryHeap<Reverse<(NodeId, bool, VertexId)>>,
+    /// A name that nobody has.
+    free: VertexId,
 }
 
-/// Replays a portion. O(stars of its merges, and of the strangers that are merged in its time).
+impl<'a> Others<'a> {
+    fn new(mut names: Names<'a>, portions: &'a Portions, last: NodeId) -> Self {
+        let free = VertexId::new(names.known.len());
+        names.known.push(VertexId::NONE);
+        names.is_taken.push(false);
+        let mut others = Self { names, portions, last, waiting: BinaryHeap::new(), free };
+        (0..free.index()).for_each(|name| others.wait(VertexId::new(name)));
+        others
+    }
+
+    /// Lets a name wait for its merge, if others make it before the portion is done.
+    fn wait(&mut self, name: VertexId) {
+        let (v, replay) = (self.names.known[name.index()], self.names.replay);
+        if v.is_none() || self.names.is_taken[name.index()] {
+            return;
+        }
+        let node = replay.merged_at(v);
+        if node <= self.last {
+            self.waiting.push(Reverse((node, v == replay.node(node).child, name)));
+        }
+    }
+
+    /// Makes the merges of others before a node.
+    fn go_on_until(&mut self, node: NodeId, finding: &mut Finding) {
+        while let Some(&Reverse((at, _, from))) = self.waiting.peek().filter(|next| next.0.0 < node) {
+            self.waiting.pop();
+            if !finding.mesh.has_star(from) {
+                continue;
+            }
+            let replay = self.names.replay;
+            let made = replay.vertex(at);
+            let is_across = self.portions.is_across(replay.span(made));
+            if let Some(&into) = self.names.strangers.get(&made) {
+                finding.let_others(from, into, is_across);
+                continue;
+            }
+            let into = std::mem::replace(&mut self.free, from);
+            self.names.known[into.index()] = made;
+            self.names.strangers.insert(made, into);
+            finding.patch.put(into, replay.positions[made.index()]);
+            finding.let_others(from, into, is_across);
+            self.wait(into);
+        }
+    }
+}
+
+/// Replays a portion. O(stars of its merges, and of the strangers that are merged in its time, with a logarithm for each of
+/// these merges).
 ///
 /// Where links are closed walks, they stay so as long as no node of the whole forest sews or pinches: with `trusting` they
 /// are not looked at again. If any portion then finds a node that does, what was found is worth nothing.
@@ -155,24 +193,22 @@ pub(super) fn find(replay: &Replay, portions: &Portions, portion: &Portion, trus
     let corners = |&cell: &u32| replay.cells[cell as usize].map(|v| names.of(v));
     let cells: Vec<Cell<3>> = portion.cells.iter().map(corners).collect();
     let own = own_steps(&mut names);
-    let last = own.last().map(|step| step.node);
-    let others = last.map_or(Vec::new(), |last| steps_of_others(&mut names, portions, last));
+    // A portion without merges has nobody to wait for.
+    let last = own.last().map_or(NodeId(0), |step| step.node);
+    let mut others = Others::new(names, portions, last);
+    // What was never met is nowhere.
     let place = |v: &VertexId| if v.is_none() { Vec3::ZERO } else { replay.positions[v.index()] };
-    let positions: Vec<Vec3> = names.known.iter().map(place).collect();
+    let positions: Vec<Vec3> = others.names.known.iter().map(place).collect();
     let mut finding = Finding::new(replay, portion, positions, &cells);
     finding.look_at_leaves(trusting);
-    let mut crossed = Vec::new();
-    let mut others = others.iter().peekable();
     for step in &own {
-        while let Some(other) = others.next_if(|other| other.node < step.node) {
-            finding.let_others(other, &mut crossed);
-        }
+        others.go_on_until(step.node, &mut finding);
         finding.take(step, trusting);
     }
-    let Finding { mesh, mut found, .. } = finding;
+    let Finding { mesh, mut found, mut crossed, .. } = finding;
     // Whatever has an own vertex that is not a root will be around a vertex across the cuts.
     let own = portion.leaves.len() + portion.merges.len();
-    let goes_on = |v: &VertexId| v.index() < own && !replay.merged_at(names.known[v.index()]).is_none();
+    let goes_on = |v: &VertexId| v.index() < own && !replay.merged_at(others.names.known[v.index()]).is_none();
     crossed.extend(mesh.cells().filter(|(_, corners)| corners.iter().any(goes_on)).map(|(slot, _)| slot));
     crossed.sort_unstable();
     crossed.dedup();
@@ -191,6 +227,8 @@ struct Finding<'a> {
     is_closed: Vec<bool>,
     /// Of each vertex: the place of the last node that made it, if the portion did.
     latest: Vec<u32>,
+    /// The triangles that come to be around a vertex across the cuts.
+    crossed: Vec<Slot>,
     found: Found,
 }
 
@@ -213,6 +251,7 @@ impl<'a> Finding<'a> {
             links: Links::default(),
             is_closed: vec![false; vertices],
             latest: vec![u32::MAX; vertices],
+            crossed: Vec::new(),
             found,
         }
     }
@@ -225,18 +264,17 @@ impl<'a> Finding<'a> {
         }
     }
 
-    /// Lets others make a step; keeps what comes to be around a vertex across the cuts.
-    fn let_others(&mut self, step: &Step, crossed: &mut Vec<Slot>) {
-        let from = step.ends[1];
-        if step.is_across {
-            crossed.extend(self.mesh.star(from).map(|(slot, _)| slot));
+    /// Lets others merge a vertex into another; keeps what comes to be around a vertex across the cuts.
+    fn let_others(&mut self, from: VertexId, into: VertexId, is_across: bool) {
+        if is_across {
+            self.crossed.extend(self.mesh.star(from).map(|(slot, _)| slot));
         }
-        self.mesh.join_star(from, step.into, |slot, _, _, _| self.patch.moved(slot));
+        self.mesh.join_star(from, into, |slot, _, _, _| self.patch.moved(slot));
     }
 
     /// Makes a step of the portion.
     fn take(&mut self, step: &Step, trusting: bool) {
-        let &Step { node: m, ends, into, .. } = step;
+        let &Step { node: m, ends, into } = step;
         let (mesh, found) = (&mut self.mesh, &mut self.found);
         let from = found.born.len();
         let died = |slot| found.born.push(CellId(self.portion.cells[slot as usize]));

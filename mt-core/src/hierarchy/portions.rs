@@ -24,7 +24,7 @@ impl Portions {
         let count = leaves.div_ceil(size.max(2)).max(1);
         let size = leaves.div_ceil(count).max(1);
         let window = size / 4;
-        let mut starts: Vec<u32> = (0..=count).map(|k| (k * size).min(leaves)).collect();
+        let mut starts: Vec<u32> = (0..=count).map(|k| k.saturating_mul(size).min(leaves)).collect();
         let mut wanted = count - 1;
         let mut is_cut = vec![false; count as usize];
         // The later a merge, the fewer are above it, and all of these lie across a cut where its child begins.
@@ -33,7 +33,8 @@ impl Portions {
                 break;
             }
             let at = replay.span(replay.node(m).child).first;
-            let (k, off) = ((at + window) / size, (at + window) % size);
+            let near = u64::from(at) + u64::from(window);
+            let (k, off) = ((near / u64::from(size)) as u32, (near % u64::from(size)) as u32);
             if (1..count).contains(&k) && off <= 2 * window && at < leaves && !is_cut[k as usize] {
                 is_cut[k as usize] = true;
                 starts[k as usize] = at;
@@ -73,11 +74,37 @@ impl Portions {
         let portion = self.of(span.first);
         if span.end <= self.starts[portion + 1] { portion } else { self.len() }
     }
-}
 
-impl Portions {
     /// Whether a span lies across a cut.
     pub(super) fn is_across(&self, span: Span) -> bool {
         self.of_span(span) == self.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate;
+    use crate::hierarchy::Sequence;
+    use crate::id::VertexId;
+
+    #[test]
+    fn cuts_ascend_and_ranks_are_found() {
+        let mesh = generate::terrain(12, 0.5, 3);
+        let mut sequence = Sequence::new(&mesh);
+        let mut there: Vec<VertexId> = (0..mesh.vertex_count()).map(VertexId::new).collect();
+        while let [.., a, b] = there[..] {
+            there.truncate(there.len() - 2);
+            there.insert(there.len() / 2, sequence.push(a, [b], [0.0], glam::Vec3::ZERO, false));
+        }
+        let replay = Replay::new(&mesh, &[], &sequence).unwrap();
+        for size in [1, 2, 7, 50, 1000, u32::MAX] {
+            let portions = Portions::new(&replay, size);
+            assert!(portions.starts.is_sorted() && portions.starts[0] == 0);
+            assert_eq!(portions.starts.last(), Some(&replay.leaf_count()));
+            for rank in 0..replay.leaf_count() {
+                assert!(portions.leaves(portions.of(rank)).contains(&rank), "{rank} of portions of {size}");
+            }
+        }
     }
 }

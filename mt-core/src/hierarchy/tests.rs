@@ -375,3 +375,84 @@ fn the_boundary_of_a_front_is_the_image_of_that_of_the_input() {
     let chain = |front: &Front| check::boundary_chain(&replay, front).len();
     assert_eq!((chain(&Front::reference(2)), chain(&Front::base(2))), (8, 7));
 }
+
+/// Triangles that hang together anyhow, doubled, about hubs, with vertices that have none; and merges of any vertices, in runs.
+fn soup(seed: u64) -> (Mesh<3>, Vec<[VertexId; 2]>, Sequence) {
+    let mut random = check::Random::new(seed);
+    let count = 3 + random.below(30);
+    let wanted = random.below(4 * count);
+    let mut place = || Vec3::new(random.below(5) as f32, random.below(5) as f32, random.below(3) as f32);
+    let positions: Vec<Vec3> = (0..count).map(|_| place()).collect();
+    let mut cells: Vec<[VertexId; 3]> = Vec::new();
+    while cells.len() < wanted {
+        let first = if random.below(4) == 0 { 0 } else { random.below(count) };
+        let cell = [first, random.below(count), random.below(count)].map(VertexId::new);
+        if crate::cell::is_proper(&cell) {
+            cells.extend(std::iter::repeat_n(cell, 1 + usize::from(random.below(6) == 0)));
+        }
+    }
+    let mesh = Mesh { positions, cells };
+    let links: &[[u32; 2]] = if seed % 4 == 1 && count > 4 { &[[0, 4], [0, 4], [1, 2], [1, 3]] } else { &[] };
+    let links = links.iter().map(|link| link.map(VertexId)).collect();
+    let mut sequence = Sequence::new(&mesh);
+    let mut there: Vec<VertexId> = (0..count).map(VertexId::new).collect();
+    let mut at = mesh.positions.clone();
+    let left = 1 + random.below(count);
+    while there.len() > left {
+        let center = there.swap_remove(random.below(there.len()));
+        let longest = if seed % 3 == 0 { 7 } else { 1 };
+        let run = 1 + random.below(longest).min(there.len() - 1);
+        let children: Vec<VertexId> = (0..run).map(|_| there.swap_remove(random.below(there.len()))).collect();
+        let keeps = random.below(2) == 0;
+        let to = if keeps { at[center.index()] } else { Vec3::new(random.below(5) as f32, 1.5, 0.0) };
+        let errors: Vec<f32> = children.iter().map(|_| random.below(10) as f32).collect();
+        there.push(sequence.push(center, children, errors, to, keeps));
+        at.push(to);
+    }
+    (mesh, links, sequence)
+}
+
+#[test]
+fn soups_are_the_same_in_portions_of_any_size_and_their_quotients() {
+    for seed in 0..600 {
+        let (mesh, links, sequence) = soup(seed);
+        let whole = Replay::in_portions(&mesh, &links, &sequence, u32::MAX).unwrap();
+        for size in [2, 3, 5, 9] {
+            let cut = Replay::in_portions(&mesh, &links, &sequence, size).unwrap();
+            assert!(cut == whole, "seed {seed}, portions of {size}");
+        }
+        let mut view = View { front: Front::reference(whole.len()), mesh: whole.reference_mesh() };
+        for m in (0..whole.len()).map(NodeId) {
+            whole.coarsen(m, &mut view.mesh, &mut ());
+            view.front.set(m, false);
+            let cells: Vec<_> = view.mesh.faces.cells().map(|(slot, cell)| (CellId(slot), *cell)).collect();
+            assert!(cells == check::quotient(&whole, &view.front), "seed {seed}, node {m}");
+        }
+        if links.is_empty() {
+            assert_eq!(whole.sewn(), sewn_by_looking(&whole), "seed {seed}");
+        }
+    }
+}
+
+/// The vertices of one side of a strip join one after the other, those of the other side late: a long chain of merges that
+/// means nothing to most portions.
+#[test]
+fn a_spine_is_the_same_in_portions() {
+    let count = 600;
+    let positions = (0..2 * count).map(|i| Vec3::new((i / 2) as f32, (i % 2) as f32, 0.0)).collect();
+    let v = VertexId::new;
+    let strip = |i: usize| [[v(2 * i), v(2 * i + 2), v(2 * i + 1)], [v(2 * i + 2), v(2 * i + 3), v(2 * i + 1)]];
+    let mesh = Mesh { positions, cells: (0..count - 1).flat_map(strip).collect() };
+    let mut sequence = Sequence::new(&mesh);
+    let mut spine = v(0);
+    for i in 1..count {
+        spine = sequence.push(spine, [v(2 * i)], [0.1], mesh.positions[2 * i], false);
+    }
+    for i in 0..count / 2 {
+        sequence.push(v(4 * i + 1), [v(4 * i + 3)], [0.1], mesh.positions[4 * i + 1], false);
+    }
+    let whole = Replay::in_portions(&mesh, &[], &sequence, u32::MAX).unwrap();
+    for size in [2, 16, 100] {
+        assert!(Replay::in_portions(&mesh, &[], &sequence, size).unwrap() == whole, "portions of {size}");
+    }
+}

@@ -1,5 +1,5 @@
 //! The needs of each static scheme, by one sweep: the sequence is replayed on the input, and at each node the mesh
-//! around it is what it was at analysis.
+//! around it is what it was at analysis. Those of dual-piece follow from the forest alone, node by node.
 
 use super::lowest::Lowest;
 use mt_core::hierarchy::HierarchyError;

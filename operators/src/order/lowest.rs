@@ -10,8 +10,8 @@ const BLOCK: usize = 16;
 pub(super) struct Lowest {
     /// Of each leaf: the node that joins it with the one before; none where nothing does, which is larger than all nodes.
     joins: Vec<NodeId>,
-    /// Level `k` holds the maximum over `2^k` neighbouring blocks. With blocks the levels take an eighth of the memory of
-    /// the joins, and are made while these are read once; most questions are about leaves of one block or two.
+    /// Level `k` holds the maximum over `2^k` neighbouring blocks. With blocks a level takes a sixteenth of the memory
+    /// of the joins, and all are made while these are read once; most questions are about leaves of one block or two.
     levels: Vec<Vec<NodeId>>,
 }
 

@@ -213,9 +213,10 @@ pub fn help(ui: &mut Ui, viewer: &mut Viewer) {
     let bound = BINDINGS.iter().map(|binding| (written(binding), binding.told.to_owned()));
     let held = HELD.iter().map(|(keys, told)| ((*keys).to_owned(), (*told).to_owned()));
     let all: Vec<(String, String)> = held.chain(bound).collect();
-    let window = Window::new("Keys").open(&mut open).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).resizable(false);
+    let window = Window::new("Keys").open(&mut open).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).auto_sized();
+    let height = ui.ctx().content_rect().height() - 90.0;
     window.show(ui.ctx(), |ui| {
-        ScrollArea::vertical().max_height(600.0).show(ui, |ui| {
+        ScrollArea::vertical().max_height(height).show(ui, |ui| {
             Grid::new("keys").num_columns(4).striped(true).show(ui, |ui| {
                 let half = all.len().div_ceil(2);
                 for row in 0..half {

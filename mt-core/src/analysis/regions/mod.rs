@@ -96,7 +96,7 @@ const VERTICES_MIN: usize = 16;
 /// and the same for any number of threads.
 ///
 /// O(cells log cells). Holds, besides what the listener keeps, a copy of what is left of the mesh with the operator's
-/// memories, and the drafts of 32 regions with what is left of 32 others; before the first round a draft of the whole mesh,
+/// memories, and the drafts of 16 regions with what is left of 16 others; before the first round a draft of the whole mesh,
 /// while the operator surveys it.
 pub fn analyse_by_regions<const N: usize, O: RegionOperator<N>, L: RegionListener<N>>(
     mesh: &Mesh<N>,
