@@ -232,7 +232,17 @@ fn a_visit() {
     assert_ne!(window.pixels().2, before.2);
     same_as_command(&window, &turned);
 
-    // Freeze, and leave: the eye and the mesh stay.
+    freeze_and_come_back(&mut window, &turned);
+    other_views(&mut window, &turned);
+
+    let told = window.close();
+    assert!(told.contains("closed at"), "{told}");
+    let remembered = std::fs::read_dir(folder.path().join("data/mtess")).expect("the window is remembered");
+    assert!(remembered.count() > 0);
+}
+
+/// Freeze, and leave: the eye and the mesh stay. All overlays are those of the command.
+fn freeze_and_come_back(window: &mut Window<'_>, turned: &Value) {
     window.key("f");
     window.hold("Up");
     let frozen = window.picture_where(|told| told["frozen"] == true);
@@ -241,24 +251,26 @@ fn a_visit() {
     window.key("shift+w");
     window.key("o");
     let wired = window.picture_where(|told| told["shown"]["wireframe"] == true && told["shown"]["outline"] == true);
-    same_as_command(&window, &wired);
+    same_as_command(window, &wired);
     window.key("u");
     let pieces = window.picture_where(|told| told["shown"]["pieces"] == true);
-    same_as_command(&window, &pieces);
+    same_as_command(window, &pieces);
     window.key("u");
     window.key("o");
     window.key("t");
     let errors = window.picture_where(|told| told["shown"]["tint"] == "error" && told["shown"]["pieces"] == false);
-    same_as_command(&window, &errors);
+    same_as_command(window, &errors);
     window.key("f");
     let back = window.picture_where(|told| told["frozen"] == false);
     assert_eq!(back["camera"]["eye"], turned["camera"]["eye"]);
+}
 
-    // Another scheme on the same model, seen from the same place.
+/// Another scheme on the same model, seen from the same place; a step in time; what is pointed at; another size.
+fn other_views(window: &mut Window<'_>, turned: &Value) {
     window.key("n");
     let other = window.picture_where(|told| told["dependency"] != "dual-piece");
-    assert_eq!(other["camera"], back["camera"]);
-    assert_eq!(other["triangles_in"], back["triangles_in"]);
+    assert_eq!(other["camera"], turned["camera"]);
+    assert_eq!(other["triangles_in"], turned["triangles_in"]);
 
     // One step back in time, and to the present again.
     assert_eq!(other["steps_taken"], other["steps_in_log"]);
@@ -285,11 +297,6 @@ fn a_visit() {
     // A smaller window has smaller pictures.
     window.tool(&["windowsize", "--sync", &window.id, "800", "600"]);
     window.picture_where(|told| told["camera"]["width_px"].as_u64() < Some(width));
-
-    let told = window.close();
-    assert!(told.contains("closed at"), "{told}");
-    let remembered = std::fs::read_dir(folder.path().join("data/mtess")).expect("the window is remembered");
-    assert!(remembered.count() > 0);
 }
 
 /// Runs the command that is told of a picture, and compares.

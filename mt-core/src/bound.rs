@@ -251,7 +251,8 @@ mod tests {
                     continue;
                 }
                 let room = f64::from(angle) - f64::from(angle_b) - f64::from(axis.angle_between(axis_b));
-                assert!(!(room > 2e-3 && !told) && !(room < -2e-3 && told), "{one:?} {other:?}");
+                // Where rounding decides either will do.
+                assert!(room.abs() <= 2e-3 || told == (room > 0.0), "{one:?} {other:?}");
             }
         }
     }

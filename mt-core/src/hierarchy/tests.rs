@@ -400,7 +400,7 @@ fn soup(seed: u64) -> (Mesh<3>, Vec<[VertexId; 2]>, Sequence) {
     let left = 1 + random.below(count);
     while there.len() > left {
         let center = there.swap_remove(random.below(there.len()));
-        let longest = if seed % 3 == 0 { 7 } else { 1 };
+        let longest = if seed.is_multiple_of(3) { 7 } else { 1 };
         let run = 1 + random.below(longest).min(there.len() - 1);
         let children: Vec<VertexId> = (0..run).map(|_| there.swap_remove(random.below(there.len()))).collect();
         let keeps = random.below(2) == 0;

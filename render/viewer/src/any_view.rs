@@ -10,13 +10,13 @@ use operators::order::Visit;
 use papers::study::StrategyKind;
 use render::{Index, Inspect, Legend, LiveMesh, Look, Placed, Places, Scene, Seen, Tint};
 use selective::{Criterion, Outcome, Pace, State, Strategy, adapt, approach, extract};
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
 /// Steps that a log keeps: 64 MB. Older ones go, half of them at a time.
 const STEPS_KEPT: usize = 8_000_000;
-/// Nodes of a chain that are told; the rest is counted.
-const CHAIN_SHOWN: usize = 64;
+/// Nodes that are told of a chain or of ancestors; the rest is counted.
+const SHOWN: usize = 64;
 
 /// A view that a window shows, whatever its model.
 pub trait AnyView: Send {
@@ -83,8 +83,10 @@ pub struct Picked {
     pub came_with: Option<NodeFacts>,
     /// The coarse node that refines it; none where it is the input's.
     pub refined_by: Option<NodeFacts>,
-    /// How many nodes have to be refined for what is there now: the closure of the needs of `came_with`, itself included.
-    pub ancestors: usize,
+    /// What had to be refined for what is there now: the closure of the needs of `came_with`, itself first; at most 64 of them.
+    pub ancestors: Vec<NodeId>,
+    /// How many they are.
+    pub ancestor_count: usize,
     /// The longest chain among them.
     pub level: usize,
     /// The forced chain: what refining `refined_by` would take, in order, itself last; at most 64 of them.
@@ -216,22 +218,23 @@ impl<M: Inspect> Player<M> {
         NodeFacts { node, bound: self.model.bound(node), gain: self.model.gain(node) }
     }
 
-    /// The closure of the needs of a node, and its longest chain.
-    fn ancestors(&self, from: NodeId) -> (usize, usize) {
-        let mut depth: std::collections::BTreeMap<NodeId, usize> = [(from, 1)].into();
-        let (mut count, mut longest) = (0, 0);
+    /// The closure of the needs of a node, coarsest last, and its longest chain.
+    fn ancestors(&self, from: NodeId) -> (Vec<NodeId>, usize) {
+        let mut open: BTreeMap<NodeId, usize> = [(from, 1)].into();
+        let (mut all, mut longest) = (Vec::new(), 0);
         let mut needs = Vec::new();
         // What a node needs has a larger id: each is looked at after all that need it.
-        while let Some((m, level)) = depth.pop_first() {
-            (count, longest) = (count + 1, longest.max(level));
+        while let Some((m, level)) = open.pop_first() {
+            all.push(m);
+            longest = longest.max(level);
             needs.clear();
             self.model.needs(m, &mut needs);
             for &need in &needs {
-                let known = depth.entry(need).or_insert(0);
+                let known = open.entry(need).or_insert(0);
                 *known = (*known).max(level + 1);
             }
         }
-        (count, longest)
+        (all, longest)
     }
 
     /// What refining a coarse node takes, and which triangles of the mesh it would replace: tried in a copy of the view.
@@ -362,7 +365,9 @@ impl<M: Inspect + Send + Sync + 'static> AnyView for Player<M> {
         let (model, front) = (&*self.model, &self.state.view.front);
         let came_with = self.index.came_with(model, placed.cell, corner, front);
         let refined_by = model.refined_by(placed.cell, corner, front);
-        let (ancestors, level) = came_with.map_or((0, 0), |m| self.ancestors(m));
+        let (mut ancestors, level) = came_with.map_or_else(Default::default, |m| self.ancestors(m));
+        let ancestor_count = ancestors.len();
+        ancestors.truncate(SHOWN);
         let (chain, replaced) = refined_by.map_or_else(Default::default, |m| self.chain(m));
         Picked {
             placed,
@@ -371,10 +376,11 @@ impl<M: Inspect + Send + Sync + 'static> AnyView for Player<M> {
             came_with: came_with.map(|m| self.facts(m)),
             refined_by: refined_by.map(|m| self.facts(m)),
             ancestors,
+            ancestor_count,
             level,
             chain_length: chain.len(),
             // The last of them, so that the one that was asked for is there.
-            chain: chain[chain.len().saturating_sub(CHAIN_SHOWN)..].iter().map(|&m| self.facts(m)).collect(),
+            chain: chain[chain.len().saturating_sub(SHOWN)..].iter().map(|&m| self.facts(m)).collect(),
             replaced,
         }
     }

@@ -7,6 +7,7 @@ use crate::pane::Choice;
 use crate::pilot::Flight;
 use crate::viewer::{Viewer, operators};
 use eframe::egui::{Align2, ComboBox, Grid, Response, ScrollArea, Slider, SliderClamping, Ui, Window};
+use mt_core::NodeId;
 use papers::study::{CriterionKind, DependencyKind, StrategyKind};
 use render::Tint;
 
@@ -182,17 +183,23 @@ fn told(ui: &mut Ui, picked: &Picked) {
     Grid::new("picked").num_columns(2).show(ui, |ui| {
         node(ui, "came with", picked.came_with.as_ref(), "the base mesh");
         ui.label("needed for it");
-        ui.label(format!("{} nodes, the longest chain {}", picked.ancestors, picked.level));
+        let names = written_nodes(picked.ancestors.iter().copied(), picked.ancestor_count);
+        ui.label(format!("{} nodes, the longest chain {}\n{names}", picked.ancestor_count, picked.level));
         ui.end_row();
         node(ui, "refined by", picked.refined_by.as_ref(), "nothing: it is the input's");
     });
     if picked.chain_length > 0 {
-        let names: Vec<String> = picked.chain.iter().rev().take(8).rev().map(|node| node.node.to_string()).collect();
-        let before = if picked.chain_length > names.len() { ".. " } else { "" };
         let length = picked.chain_length;
         ui.label(format!("forced chain of {length} (yellow: {} triangles)", picked.replaced.len()));
-        ui.weak(format!("{before}{}", names.join(", ")));
+        ui.weak(written_nodes(picked.chain.iter().rev().map(|facts| facts.node), length));
     }
+}
+
+/// The first nodes of so many, by their numbers.
+fn written_nodes(nodes: impl Iterator<Item = NodeId>, count: usize) -> String {
+    let names: Vec<String> = nodes.take(6).map(|node| node.to_string()).collect();
+    let more = if count > names.len() { ", .." } else { "" };
+    format!("{}{more}", names.join(", "))
 }
 
 fn node(ui: &mut Ui, label: &str, facts: Option<&NodeFacts>, none: &str) {

@@ -237,6 +237,19 @@ fn a_pick_tells_the_chain_that_the_order_forces() {
         let picked = play.pick(placed, placed.corners[0]);
         let came_with = picked.came_with.map(|facts| facts.node);
         assert!(came_with.is_none_or(|m| refined.contains(&m) && model.fine_side(m).contains(&placed.cell)));
+        // All that the node it came with needs, by closing from above; all of it is refined.
+        if let Some(came_with) = came_with {
+            let (mut open, mut above, mut needs) = (vec![came_with], BTreeSet::new(), Vec::new());
+            while let Some(m) = open.pop() {
+                if above.insert(m) {
+                    needs.clear();
+                    model.needs(m, &mut needs);
+                    open.extend(&needs);
+                }
+            }
+            assert!(above.len() == picked.ancestor_count && above.is_subset(&refined.iter().copied().collect()));
+            assert!(picked.ancestors.iter().all(|m| above.contains(m)) && picked.level <= above.len());
+        }
         let Some(facts) = picked.refined_by else { continue };
         assert!(model.coarse_side(facts.node).any(|cell| cell == placed.cell));
         let (mut open, mut closure, mut needs) = (vec![facts.node], BTreeSet::new(), Vec::new());
