@@ -230,8 +230,8 @@ impl<const N: usize> Complex<N> {
     }
 
     /// The star of `from` becomes that of `to`: each cell around `from` gets `to` for that corner, which is told with the
-    /// cell to `each`; a cell that has `to` already is emptied, and told with `from` where it was, and a no. O(star of `from`), and for
-    /// each cell that dies the stars of its other corners.
+    /// cell to `each`; a cell that has `to` already is emptied, and told with `from` where it was, and a no. O(star of `from`),
+    /// and for each cell that dies the stars of its other corners.
     #[inline]
     pub fn join_star(&mut self, from: VertexId, to: VertexId, mut each: impl FnMut(Slot, usize, &Cell<N>, bool)) {
         let mut corner = std::mem::replace(&mut self.first[from.index()], NONE);

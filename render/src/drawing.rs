@@ -10,7 +10,7 @@ use crate::globals::Globals;
 use crate::ink::clip_segment;
 use crate::ramp::Rgba;
 use crate::raster::{Blend, Facet, Sheet};
-use crate::scene::{Scene, Segment};
+use crate::scene::{Scene, Segment, WIRE};
 use glam::{Vec3, Vec4};
 use mt_core::Camera;
 use std::collections::BTreeMap;
@@ -23,9 +23,8 @@ const SLACK: f32 = 4e-6;
 /// Height of the line of text, and its letters, in units of the drawing.
 const CAPTION: f32 = 22.0;
 const LETTERS: f32 = 12.0;
-/// Lines of a mesh, and the colour they have where the scene names none.
+/// Lines of a mesh.
 const EDGE_WIDTH: f32 = 0.6;
-const EDGE_COLOUR: Rgba = [38, 36, 34, 255];
 
 /// Lines on a page, from the upper left corner, in pixels of the camera.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +63,7 @@ impl Drawing {
         let eye = Eye { globals: Globals::new(scene, camera), size: size.map(|side| side * FINER) };
         let depths = eye.depths(scene);
         let mut lines = Vec::new();
-        let colour = scene.wire.unwrap_or(EDGE_COLOUR);
+        let colour = scene.wire.unwrap_or(WIRE);
         for (from, to) in edges(scene) {
             eye.seen(&depths, from, to, &mut |from, to| lines.push(Line { from, to, colour, width: EDGE_WIDTH }));
         }

@@ -74,7 +74,7 @@ pub use live::{LiveMesh, Placed, Places};
 pub use picture::Picture;
 pub use pieces::dual_pieces;
 pub use ramp::{Ramp, Rgba};
-pub use scene::{Corner, Legend, Look, Overlay, Scene, Segment, encode};
+pub use scene::{Corner, Legend, Look, Overlay, Scene, Segment, WIRE, encode};
 #[cfg(feature = "gpu")]
 pub use stage::{Stage, Uploaded};
 pub use tint::{Seen, Tint, Tinting, by_fans};

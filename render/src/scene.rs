@@ -45,6 +45,8 @@ pub struct Legend {
     pub caption: &'static str,
 }
 
+/// Of the edges of triangles, where they are drawn.
+pub const WIRE: Rgba = [38, 36, 34, 255];
 /// Of a cell of which nothing is told.
 const UNKNOWN: Rgba = [150, 150, 150, 255];
 
@@ -166,7 +168,7 @@ pub fn encode(mesh: &Mesh<3>, look: &Look) -> Scene {
     let mut scene = Scene {
         origin,
         corners: Vec::with_capacity(mesh.cells.len() * 3),
-        wire: look.wireframe.then_some([38, 36, 34, 255]),
+        wire: look.wireframe.then_some(WIRE),
         legend: overlay.map(|(_, legend)| legend),
         ..Scene::default()
     };

@@ -119,6 +119,7 @@ struct Player<M: Inspect> {
     /// What was answered last.
     asked: Option<Asked>,
     is_plain: bool,
+    /// Steps beyond which the log loses its older half.
     steps_kept: usize,
 }
 
@@ -405,5 +406,49 @@ impl<M: Inspect + Send + Sync + 'static> AnyView for Player<M> {
 
     fn nodes(&self) -> [u32; 2] {
         [self.state.view.front.len(), self.model.len()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ask::{Ask, Extent};
+    use crate::pilot::Pilot;
+    use mt_core::analysis::{Options, simplify};
+    use mt_core::generate;
+    use operators::EdgeCollapse;
+
+    /// What is left of a long log leads both ways: back to where it begins now, and to the mesh that it came from.
+    #[test]
+    fn a_long_log_loses_its_beginning_and_nothing_else() {
+        let mesh = generate::sphere(3);
+        let model = simplify(&mesh, &EdgeCollapse::FULL, &Options::default(), &mut |_| true).unwrap().model;
+        let (model, extent) = (Arc::new(model), Extent::of(&mesh));
+        let live = LiveMesh::new(PositionsOf(Arc::clone(&model)), model.cell_capacity(), Vec3::ZERO, [9; 4]);
+        let mut player = Player {
+            index: Index::of(&*model),
+            log: Log::new(model.len()),
+            is_log_whole: true,
+            at: 0,
+            last: Vec::new(),
+            asked: None,
+            is_plain: true,
+            steps_kept: 700,
+            state: State::new(&*model, live),
+            model,
+        };
+        let camera = Pilot::around(extent.low, extent.high).camera([64, 64]);
+        for error_share in [1e-3, 5e-3, 2e-3, 1e-3, 4e-3, 8e-4, 2e-3, 1e-3] {
+            let ask = Ask { error_share, criterion: papers::study::CriterionKind::Uniform, ..Ask::usual(extent.cells) };
+            player.adapt(&ask.of(&extent, &camera, camera.eye));
+            let end = player.log.frame_ends.last().copied().unwrap_or(0);
+            assert_eq!((player.at, end), (player.log.steps.len(), end));
+        }
+        assert!(!player.is_log_whole && player.log.steps.len() <= 700);
+        let now = player.mesh();
+        player.seek(0);
+        assert!(!player.state.view.front.is_empty() && player.mesh() != now);
+        player.seek(usize::MAX);
+        assert!(player.mesh() == now);
     }
 }

@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 use mt_core::Camera;
 use operators::AnyOperator;
 use papers::study::{CriterionKind, DependencyKind, StrategyKind};
-use render::{Edges, Rgba, Scene, Tint};
+use render::{Edges, Scene, Tint, WIRE};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -380,5 +380,3 @@ fn next<T: PartialEq + Clone>(all: &[T], at: T, by: isize) -> T {
 pub(crate) fn operators() -> Vec<Option<String>> {
     std::iter::once(None).chain(AnyOperator::NAMES.map(|name| Some(name.to_owned()))).collect()
 }
-
-const WIRE: Rgba = [38, 36, 34, 255];

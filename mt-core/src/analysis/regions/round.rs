@@ -43,7 +43,7 @@ struct Coarsened<const N: usize, M, L> {
 }
 
 /// So many regions are worked on while as many are told. The same for any number of threads, so that whoever stops the work
-/// stops it at the same place; twice as many take a tenth more memory on a million triangles and no less time.
+/// stops it at the same place. Both sixteens are held at once, whatever the mesh: on small meshes they show at the peak.
 const TOGETHER: usize = 16;
 /// So many regions are asked for their prices.
 const SAMPLES: usize = 6;
