@@ -4,7 +4,7 @@ use mt_core::analysis::{Options, analyse};
 use mt_core::container::{self, Archive, Container, ContainerError, Meta, Storage};
 use mt_core::hierarchy::{Story, grid_step};
 use mt_core::{Explicit, Mesh, MultiTessellation, Sequence, generate};
-use mt_tests::model_of;
+use mt_tests::{chew, model_of};
 use operators::EdgeCollapse;
 use operators::{AnyOperator, FanMerge};
 use proptest::prelude::*;
@@ -238,6 +238,21 @@ fn sections_beyond_the_file_are_refused_at_the_head() {
         assert!(matches!(container::open(&bytes).err(), Some(ContainerError::Layout(_))), "{at} {number}");
         assert!(matches!(Archive::open(Cursor::new(&bytes)).err(), Some(ContainerError::Layout(_))), "{at} {number}");
     }
+}
+
+#[test]
+fn nothing_is_not_packed_in_any_way() {
+    let mesh = generate::octahedron();
+    let story = story(&mesh, &"edge-collapse".parse().unwrap());
+    let mut bytes = Vec::new();
+    container::write_story(&story, "one-ring", &Meta::default(), Storage::Plain, &mut bytes).unwrap();
+    // The empty section says that it is packed as text.
+    let links = bytes.windows(4).position(|name| name == b"LINK").unwrap();
+    assert_eq!(bytes[links + 16..links + 34], [0; 18], "no bytes of no packing");
+    bytes[links + 32] = 1;
+    let bytes = chew::resealed(&bytes);
+    assert!(matches!(container::open(&bytes).err(), Some(ContainerError::Layout(_))));
+    assert!(matches!(Archive::open(Cursor::new(&bytes)).err(), Some(ContainerError::Layout(_))));
 }
 
 #[test]

@@ -170,7 +170,8 @@ fn entry(row: &[u8]) -> Result<Entry, ContainerError> {
     let entry = |packing| Entry { name, crc: u32_at(row, 4), offset: u64_at(row, 8), stored, length, packing };
     let fits = |packing: &Packing| match packing {
         Packing::Plain => length == stored,
-        _ => length <= stored.saturating_mul(SWELL_MAX),
+        // What is packed is a frame, which is never nothing.
+        _ => stored > 0 && length <= stored.saturating_mul(SWELL_MAX),
     };
     let unknown =
         || ContainerError::Layout(format!("section {} is packed in no known way", String::from_utf8_lossy(&name)));
