@@ -107,6 +107,33 @@ impl Default for Cone {
     }
 }
 
+/// A sum of unit vectors, the same in whatever order they come: each is put on a grid so fine and so coarse that sums of
+/// millions are exact.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct NormalSum(DVec3);
+
+impl NormalSum {
+    /// Adding this and taking it away again leaves 30 bits behind the point of a number below 1.
+    const GRID: f64 = 1.5 * (1u64 << (52 - 30)) as f64;
+
+    /// The sum of one; of what has no normal, one that has no axis, nor has what it is added to.
+    #[inline]
+    pub(crate) fn of(normal: Vec3) -> Self {
+        let on_grid = (normal.as_dvec3() + Self::GRID) - Self::GRID;
+        Self(if normal == Vec3::ZERO { DVec3::NAN } else { on_grid })
+    }
+
+    #[inline]
+    pub(crate) fn add(&mut self, other: Self) {
+        self.0 += other.0;
+    }
+
+    /// Its direction, if it has one.
+    pub(crate) fn axis(self) -> Option<Vec3> {
+        self.0.as_vec3().try_normalize()
+    }
+}
+
 const STEPS: f32 = 254.0;
 /// More than an axis can be off by after it is put on the grid, in radians: half a step of 1/127 in two directions, and
 /// rounding.
@@ -163,18 +190,15 @@ impl Cone {
         if normals.is_empty() {
             return Self::EMPTY;
         }
-        let sum: Vec3 = normals.iter().sum();
-        let Some(axis) = sum.try_normalize() else { return Self::ALL };
-        let (mut least, mut has_zero) = (1.0f32, false);
-        for normal in normals {
-            let along = normal.dot(axis);
-            // What stands upright on the axis gives nothing as well, and is looked at twice.
-            has_zero |= along == 0.0 && *normal == Vec3::ZERO;
-            least = if along < least { along } else { least };
-        }
-        if has_zero {
-            return Self::ALL;
-        }
+        let mut sum = NormalSum::default();
+        normals.iter().for_each(|normal| sum.add(NormalSum::of(*normal)));
+        let Some(axis) = sum.axis() else { return Self::ALL };
+        let least = normals.iter().fold(1.0, |least: f32, normal| least.min(normal.dot(axis)));
+        Self::about(axis, least)
+    }
+
+    /// The cone about an axis that holds all unit vectors whose part along it is not less than this.
+    pub(crate) fn about(axis: Vec3, least: f32) -> Self {
         Self::new(axis, least.clamp(-1.0, 1.0).acos())
     }
 

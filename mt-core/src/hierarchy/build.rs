@@ -1,9 +1,10 @@
 //! From a sequence of merges to a replay: the forest, its spans, what each node makes appear, and saturated bounds.
 
-use super::portion::{Found, Portion, find};
+use super::lives::{Found, Home, Portion, listen};
 use super::portions::Portions;
 use super::replay::{Born, Merge, Node, Replay, Runs, Span};
 use super::sequence::Sequence;
+use super::umbrellas::{Input, keeps_umbrellas, look_at_input, sewn_by_looking};
 use crate::bins::Bins;
 use crate::bits::Bits;
 use crate::bound::{Bound, Cone};
@@ -139,70 +140,81 @@ impl Replay {
     fn find_all(&mut self, size: u32) {
         let portions = Portions::new(self, size);
         let all = portions.len();
-        let merges =
-            Bins::new(self.merge_count(), all + 1, |merge| [portions.of_span(self.merges[merge as usize].span)]);
+        let homes = self.homes(&portions);
+        let nodes = Bins::new(self.len(), all + 1, |m| [homes[m as usize].portion as usize]);
+        let nodes: Vec<Vec<u32>> = (0..=all).into_par_iter().map(|portion| nodes.of(portion)).collect();
+        let (input, found) = self.find_in(&portions, &homes, &nodes);
+        drop(homes);
+        self.take_in(&nodes, &found);
+        nodes[all].iter().for_each(|&m| self.saturate(NodeId(m)));
+        self.is_manifold = input.is_manifold;
+        let border = input.border.len() - found.iter().map(|found| found.border_gone).sum::<usize>();
+        let is_plain = input.is_manifold && self.links.is_empty() && found.iter().all(|found| found.is_plain);
+        drop((input, found));
+        if !(is_plain && keeps_umbrellas(self, border)) {
+            self.sewn = sewn_by_looking(self);
+        }
+    }
+
+    /// The portion of each node, and its place there.
+    fn homes(&self, portions: &Portions) -> Vec<Home> {
+        let portion = |m| portions.of_span(self.merge(self.merge_of(NodeId(m))).span) as u32;
+        let mut homes: Vec<Home> =
+            (0..self.len()).into_par_iter().map(|m| Home { portion: portion(m), place: 0 }).collect();
+        let mut counts = vec![0; portions.len() + 1];
+        for home in &mut homes {
+            let count = &mut counts[home.portion as usize];
+            home.place = *count;
+            *count += 1;
+        }
+        homes
+    }
+
+    /// Each portion by itself, by the threads of the rayon pool that this is called in; then what lies across the cuts, by the
+    /// triangles that go so far. The same for any number of threads.
+    fn find_in(&self, portions: &Portions, homes: &[Home], nodes: &[Vec<u32>]) -> (Input, Vec<Found>) {
+        let across = portions.len();
         let of_corner = |v: VertexId| portions.of(self.rank(v));
-        let cells = Bins::new(self.cells.len() as u32, all, |cell| self.cells[cell as usize].map(of_corner));
-        // What merges pairs sews often enough.
-        let trusting = self.links.is_empty();
-        let mut found = self.find_in(&portions, &merges, &cells, trusting);
-        if trusting && found.iter().any(|found| !found.sewn.is_empty()) {
-            drop(found);
-            found = self.find_in(&portions, &merges, &cells, false);
-        }
+        let cells = Bins::new(self.cells.len() as u32, across, |cell| self.cells[cell as usize].map(of_corner));
+        let listen_to = |number: usize, cells: &[u32], border: &[[VertexId; 2]]| {
+            let nodes = &nodes[number];
+            listen(&Portion { replay: self, homes, across: across as u32, number: number as u32, nodes, cells, border })
+        };
+        let one = |number: usize| {
+            let cells = cells.of(number);
+            let input = look_at_input(self, portions.leaves(number), &cells);
+            let found = listen_to(number, &cells, &input.border);
+            (input, found)
+        };
+        let (inputs, mut found): (Vec<Input>, Vec<Found>) = (0..across).into_par_iter().map(one).unzip();
         drop(cells);
-        self.is_manifold = found.iter().all(|found| found.is_manifold);
-        self.sewn = found.iter().flat_map(|found| &found.sewn).copied().collect();
-        self.sewn.sort_unstable();
-        let sorted = merges;
-        let merges: Vec<Vec<u32>> = (0..=all).map(|portion| sorted.of(portion)).collect();
-        drop(sorted);
-        self.take_in(&merges, found);
-        for &merge in &merges[all] {
-            let (first, last) = self.run_of(merge).into_inner();
-            (first.0..=last.0).for_each(|m| self.saturate(NodeId(m)));
-        }
+        let mut border: Vec<[VertexId; 2]> = inputs.iter().flat_map(|input| &input.border).copied().collect();
+        border.iter_mut().for_each(|edge| edge.sort_unstable());
+        border.sort_unstable();
+        border.dedup();
+        let mut left: Vec<u32> = found.iter_mut().flat_map(|found| std::mem::take(&mut found.crossed)).collect();
+        left.sort_unstable();
+        left.dedup();
+        let far = if nodes[across].is_empty() { [].as_slice() } else { &border };
+        found.push(listen_to(across, &left, far));
+        (Input { is_manifold: inputs.iter().all(|input| input.is_manifold), border }, found)
     }
 
-    /// Each portion by itself, by the threads of the rayon pool that this is called in; then what lies across the cuts, on the
-    /// triangles that are left. The same for any number of threads.
-    fn find_in(&self, portions: &Portions, merges: &Bins, cells: &Bins, trusting: bool) -> Vec<Found> {
-        let find_one = |number: usize| {
-            let portion =
-                Portion { leaves: portions.leaves(number), merges: merges.of(number), cells: cells.of(number) };
-            find(self, portions, &portion, trusting)
-        };
-        let mut found: Vec<Found> = (0..portions.len()).into_par_iter().map(find_one).collect();
-        let across = merges.of(portions.len());
-        let mut left: Vec<u32> = Vec::new();
-        if !across.is_empty() {
-            found.iter_mut().for_each(|found| left.append(&mut found.crossed));
-            left.sort_unstable();
-            left.dedup();
-        }
-        found.push(find(self, portions, &Portion { leaves: 0..0, merges: across, cells: left }, trusting));
-        found
-    }
-
-    /// Puts together what was found: of these merges, portion by portion.
-    fn take_in(&mut self, merges: &[Vec<u32>], found: Vec<Found>) {
+    /// Puts together what was found: of these nodes, portion by portion.
+    fn take_in(&mut self, nodes: &[Vec<u32>], found: &[Found]) {
         let mut starts = vec![0; self.nodes.len() + 1];
-        let nodes = |replay: &Self, portion: usize| {
-            let runs = merges[portion].iter().map(|&merge| replay.run_of(merge).into_inner());
-            runs.flat_map(|(first, last)| first.index()..last.index() + 1).collect::<Vec<_>>()
-        };
-        for (portion, found) in found.iter().enumerate() {
-            for ((m, node), row) in nodes(self, portion).into_iter().zip(&found.nodes).zip(found.starts.windows(2)) {
-                self.nodes[m] = *node;
-                starts[m + 1] = row[1] - row[0];
+        for (nodes, found) in nodes.iter().zip(found) {
+            for ((&m, node), row) in nodes.iter().zip(&found.nodes).zip(found.starts.windows(2)) {
+                self.nodes[m as usize] = *node;
+                starts[m as usize + 1] = row[1] - row[0];
             }
         }
         (0..self.nodes.len()).for_each(|m| starts[m + 1] += starts[m]);
         let mut born = vec![CellId::NONE; starts[self.nodes.len()] as usize];
-        for (portion, found) in found.iter().enumerate() {
-            for (m, row) in nodes(self, portion).into_iter().zip(found.starts.windows(2)) {
+        for (nodes, found) in nodes.iter().zip(found) {
+            for (&m, row) in nodes.iter().zip(found.starts.windows(2)) {
                 let row = &found.born[row[0] as usize..row[1] as usize];
-                born[starts[m] as usize..][..row.len()].copy_from_slice(row);
+                born[starts[m as usize] as usize..][..row.len()].copy_from_slice(row);
             }
         }
         let mut is_base = vec![true; self.cells.len()];

@@ -20,16 +20,16 @@ mod build;
 mod codec;
 mod dependency;
 mod grid;
+mod lives;
 mod mesh;
 mod numbering;
 mod part;
-mod patch;
-mod portion;
 mod portions;
 mod replay;
 mod sequence;
 #[cfg(test)]
 mod tests;
+mod umbrellas;
 
 pub use build::{HierarchyError, InvalidSequence};
 pub use codec::SequenceError;

@@ -74,11 +74,6 @@ impl Portions {
         let portion = self.of(span.first);
         if span.end <= self.starts[portion + 1] { portion } else { self.len() }
     }
-
-    /// Whether a span lies across a cut.
-    pub(super) fn is_across(&self, span: Span) -> bool {
-        self.of_span(span) == self.len()
-    }
 }
 
 #[cfg(test)]

@@ -103,13 +103,15 @@ fn what_sews_is_known() {
 /// What sews, by looking at the umbrella and the neighbours of every merge.
 fn sewn_by_looking(replay: &Replay) -> Vec<NodeId> {
     let mut mesh = replay.reference_mesh();
-    let mut links = super::patch::Links::default();
+    let mut links = super::umbrellas::Links::default();
+    let mut edges = Vec::new();
     let neighbours = |mesh: &VertexMesh, v| mesh.ring(v).collect::<std::collections::BTreeSet<_>>();
     let sews = |m: &NodeId| {
         let [near, also_near] = replay.ends(*m).map(|end| neighbours(&mesh, end));
         let shared = near.intersection(&also_near).count();
         replay.coarsen(*m, &mut mesh, &mut ());
-        shared != replay.born(*m).len() || links.fan(&mesh.faces, replay.vertex(*m)) == super::patch::Fan::Other
+        mesh.faces.link_edges(replay.vertex(*m), &mut edges);
+        shared != replay.born(*m).len() || links.fan(&edges) == super::umbrellas::Fan::Other
     };
     (0..replay.len()).map(NodeId).filter(sews).collect()
 }
