@@ -24,28 +24,39 @@ impl<'a, const N: usize, M: MultiTessellation<N>, C: Criterion<M::Bound>> Judge<
 
     /// Whether `m` is asked for.
     pub(crate) fn asks(&self, m: NodeId, front: &Front) -> bool {
-        if C::RUNS {
-            return self.goal(m, front).is_some();
-        }
+        self.target(m, front).is_some()
+    }
+
+    fn asks_by_itself(&self, m: NodeId, front: &Front) -> bool {
         self.criterion.asks(&self.model.bound(m), self.before.unwrap_or(front).is_refined(m))
+    }
+
+    /// The first and the last node of the run of `m`, where it is judged as one.
+    fn whole_run(&self, m: NodeId) -> Option<[NodeId; 2]> {
+        if !C::RUNS {
+            return None;
+        }
+        let (first, last) = self.model.run(m).into_inner();
+        let is_whole = first < last && self.criterion.pace(&self.model.bound(last)) == Pace::Whole;
+        is_whole.then_some([first, last])
     }
 
     /// If `m` is asked for: what to refine, as [`Self::goal`] says, where it does not matter how urgently.
     pub(crate) fn target(&self, m: NodeId, front: &Front) -> Option<NodeId> {
-        if C::RUNS { self.goal(m, front).map(|goal| goal.node) } else { self.asks(m, front).then_some(m) }
+        match self.whole_run(m) {
+            Some([first, last]) if self.asks_by_itself(last, front) => Some(first),
+            _ => self.asks_by_itself(m, front).then_some(m),
+        }
     }
 
     /// If `m` is asked for: how urgently, and what to refine. That is `m`, or where its run is judged as one the first
     /// node of the run, which needs all others.
     pub(crate) fn goal(&self, m: NodeId, front: &Front) -> Option<Urgent> {
         let excess = self.excess(m, front);
-        if C::RUNS {
-            let (first, last) = self.model.run(m).into_inner();
-            if first < last && self.criterion.pace(&self.model.bound(last)) == Pace::Whole {
-                let whole = if m == last { excess } else { self.excess(last, front) };
-                if whole > 0.0 {
-                    return Some(Urgent { excess: whole.max(excess), node: first });
-                }
+        if let Some([first, last]) = self.whole_run(m) {
+            let whole = if m == last { excess } else { self.excess(last, front) };
+            if whole > 0.0 {
+                return Some(Urgent { excess: whole.max(excess), node: first });
             }
         }
         (excess > 0.0).then_some(Urgent { excess, node: m })

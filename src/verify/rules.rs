@@ -75,8 +75,10 @@ fn monotone<C: Criterion<Bound>>(model: &Explicit<3>, criterion: &C) -> Result<u
         if !C::MEMORY && excess[0] != excess[1] {
             return fault(format!("node {m} asks otherwise when it is refined, but no memory is claimed"));
         }
-        if criterion.asks(&model.bound(m), false) != (excess[0] > 0.0) {
-            return fault(format!("node {m} has an excess of {}, and asks otherwise", excess[0]));
+        let otherwise = [false, true].into_iter().zip(excess);
+        let mut otherwise = otherwise.filter(|(refined, e)| criterion.asks(&model.bound(m), *refined) != (*e > 0.0));
+        if let Some((_, excess)) = otherwise.next() {
+            return fault(format!("node {m} has an excess of {excess}, and asks otherwise"));
         }
         asked += u32::from(excess[0] > 0.0);
         let above = model.parent(m).filter(|&p| excess[0] > 0.0 && !criterion.asks(&model.bound(p), false));

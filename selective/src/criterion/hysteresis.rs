@@ -21,6 +21,9 @@ impl<B, C: Criterion<B>> Criterion<B> for Hysteresis<C> {
     fn excess(&self, bound: &B, refined: bool) -> f32 {
         self.criterion.excess(bound, refined) + if refined { self.margin } else { 0.0 }
     }
+    fn asks(&self, bound: &B, refined: bool) -> bool {
+        if refined { self.excess(bound, refined) > 0.0 } else { self.criterion.asks(bound, refined) }
+    }
     fn pace(&self, last: &B) -> Pace {
         self.criterion.pace(last)
     }

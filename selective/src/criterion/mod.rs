@@ -56,7 +56,7 @@ pub trait Criterion<B>: Sync {
     /// How far the coarse side is from good enough, in the criterion's own unit; above 0 asks to refine. Larger is more
     /// urgent. Never not a number.
     fn excess(&self, bound: &B, refined: bool) -> f32;
-    /// Whether it asks to refine.
+    /// Whether it asks to refine: whether the excess is above 0, told with less work where that can be.
     fn asks(&self, bound: &B, refined: bool) -> bool {
         self.excess(bound, refined) > 0.0
     }

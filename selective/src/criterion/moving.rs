@@ -44,6 +44,9 @@ impl<C: Criterion<Bound>> Criterion<Bound> for Moving<C> {
     fn excess(&self, bound: &Bound, refined: bool) -> f32 {
         self.relaxed.excess(bound, refined)
     }
+    fn asks(&self, bound: &Bound, refined: bool) -> bool {
+        self.relaxed.asks(bound, refined)
+    }
     fn pace(&self, last: &Bound) -> Pace {
         self.relaxed.pace(last)
     }

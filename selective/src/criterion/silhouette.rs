@@ -39,6 +39,9 @@ impl<C: Criterion<Bound>, D: Criterion<Bound>> Criterion<Bound> for Silhouette<C
         let everywhere = self.elsewhere.excess(bound, refined);
         if self.is_outline(bound) { everywhere.max(self.outline.excess(bound, refined)) } else { everywhere }
     }
+    fn asks(&self, bound: &Bound, refined: bool) -> bool {
+        self.elsewhere.asks(bound, refined) || self.outline.asks(bound, refined) && self.is_outline(bound)
+    }
     fn pace(&self, last: &Bound) -> Pace {
         self.elsewhere.pace(last)
     }

@@ -136,6 +136,15 @@ proptest! {
     }
 
     #[test]
+    fn whether_it_asks_is_whether_it_exceeds(bound in bound(), wish in wish(), margin in 0f32..1.0) {
+        for refined in [false, true] {
+            prop_assert_eq!(wish.asks(&bound, refined), wish.excess(&bound, refined) > 0.0, "{}", wish.name());
+            let hesitant = Hysteresis { criterion: &wish, margin };
+            prop_assert_eq!(hesitant.asks(&bound, refined), hesitant.excess(&bound, refined) > 0.0);
+        }
+    }
+
+    #[test]
     fn hysteresis_keeps_a_margin(bound in bound(), wish in wish(), margin in 0f32..1.0) {
         let plain = wish.excess(&bound, false);
         let hesitant = Hysteresis { criterion: wish, margin };

@@ -80,6 +80,22 @@ impl Criterion<Bound> for Wish {
             }
         }
     }
+    fn asks(&self, bound: &Bound, refined: bool) -> bool {
+        match self {
+            Wish::Uniform(criterion) => criterion.asks(bound, refined),
+            Wish::Region(criterion) => criterion.asks(bound, refined),
+            Wish::Screen(criterion) => criterion.asks(bound, refined),
+            Wish::Transfer(criterion) => criterion.asks(bound, refined),
+            Wish::Visual(criterion) => criterion.asks(bound, refined),
+            Wish::Features(criterion) => criterion.asks(bound, refined),
+            Wish::Normals(criterion) => criterion.asks(bound, refined),
+            Wish::InView(criterion) => criterion.asks(bound, refined),
+            Wish::Facing(criterion) => criterion.asks(bound, refined),
+            Wish::Silhouette(criterion) => criterion.asks(bound, refined),
+            Wish::Moving(criterion) => criterion.asks(bound, refined),
+            Wish::Any(criteria) => criteria.iter().any(|criterion| criterion.asks(bound, refined)),
+        }
+    }
 }
 
 impl Relax for Wish {
