@@ -107,8 +107,8 @@ impl Default for Cone {
     }
 }
 
-/// A sum of unit vectors, the same in whatever order they come: each is put on a grid so fine and so coarse that sums of
-/// millions are exact.
+/// A sum of unit vectors, the same in whatever order they come: each is put on a grid so fine and so coarse that sums of up to
+/// eight million are exact.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct NormalSum(DVec3);
 

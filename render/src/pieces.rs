@@ -9,26 +9,27 @@ use mt_core::{Mesh, VertexId};
 /// Where two dual pieces meet.
 const BORDER: Rgba = [40, 40, 44, 255];
 
-/// More pieces than that have no lines around them.
+/// More pieces than that have no lines around them: where they are no larger than lines are wide, colours have to do.
 const MOST_OUTLINED: usize = 20_000;
+/// More pieces than that have thin ones, which hide less of them.
+const MOST_BOLD: usize = 1000;
 
-/// The dual pieces of `[KimLee2001]` over an input mesh: around each vertex the part of its triangles that is nearer to it, in the colour of
+/// The dual pieces of `[KimLee2001]` over an input mesh: around each vertex a third of each of its triangles, in the colour of
 /// `piece`, and lines where two of not too many pieces meet, relative to `origin`. A triangle within a piece stays one, others
 /// become five or six.
 pub fn dual_pieces(mesh: &Mesh<3>, origin: Vec3, piece: impl Fn(VertexId) -> VertexId) -> Scene {
-    let mut pieces: Vec<VertexId> = (0..mesh.positions.len()).map(|v| piece(VertexId::new(v))).collect();
-    pieces.sort_unstable();
-    pieces.dedup();
-    // Where pieces are no larger than lines are wide, colours have to do.
-    let lines = pieces.len() <= MOST_OUTLINED;
-    // Lines as wide as pieces would hide them.
-    let width_px = if pieces.len() > 1000 { 0.5 } else { 1.2 };
+    let piece: Vec<VertexId> = (0..mesh.positions.len()).map(|v| piece(VertexId::new(v))).collect();
+    let mut all = piece.clone();
+    all.sort_unstable();
+    all.dedup();
+    let lines = all.len() <= MOST_OUTLINED;
+    let width_px = if all.len() > MOST_BOLD { 0.5 } else { 1.2 };
     let mut scene = Scene { origin, ..Scene::default() };
     for cell in &mesh.cells {
         let at = cell.map(|v| mesh.positions[v.index()] - origin);
         let normal = area_vector(at.map(Vec3::as_dvec3)).normalize_or_zero().as_vec3().to_array();
         let middle = (at[0] + at[1] + at[2]) / 3.0;
-        let pieces = cell.map(&piece);
+        let pieces = cell.map(|v| piece[v.index()]);
         let corner = |p: Vec3, of: VertexId| Corner { position: p.to_array(), normal, colour: colour_of(of) };
         if pieces.iter().all(|&one| one == pieces[0]) {
             scene.corners.extend(at.map(|p| corner(p, pieces[0])));

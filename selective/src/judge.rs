@@ -27,6 +27,7 @@ impl<'a, const N: usize, M: MultiTessellation<N>, C: Criterion<M::Bound>> Judge<
         self.target(m, front).is_some()
     }
 
+    /// Whether the criterion asks for `m`, whatever its run.
     fn asks_by_itself(&self, m: NodeId, front: &Front) -> bool {
         self.criterion.asks(&self.model.bound(m), self.before.unwrap_or(front).is_refined(m))
     }

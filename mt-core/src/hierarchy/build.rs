@@ -84,7 +84,8 @@ pub enum HierarchyError {
     Order(#[from] crate::order::OrderError),
 }
 
-/// Leaves of a portion: what is around so many nearly stays in a cache of half a megabyte, and few merges are across cuts.
+/// Leaves of a portion: what is asked of so many nearly stays in a cache of a megabyte, and few nodes are across cuts. With a
+/// third of that it is no faster.
 const PORTION: u32 = 4096;
 
 impl Replay {
@@ -93,16 +94,17 @@ impl Replay {
     ///
     /// O(vertices + triangles + the stars that the merges change).
     pub fn new(mesh: &Mesh<3>, links: &[Cell<2>], sequence: &Sequence) -> Result<Self, InvalidSequence> {
-        Self::in_portions(mesh, links, sequence, PORTION)
+        Self::in_portions(mesh, links, sequence, PORTION).map(|(replay, _)| replay)
     }
 
-    /// The same, whatever the number of leaves of a portion.
+    /// The same, whatever the number of leaves of a portion; and whether it was proved that nothing is sewn, so that nobody
+    /// had to look.
     pub(super) fn in_portions(
         mesh: &Mesh<3>,
         links: &[Cell<2>],
         sequence: &Sequence,
         size: u32,
-    ) -> Result<Self, InvalidSequence> {
+    ) -> Result<(Self, bool), InvalidSequence> {
         check(mesh, links, sequence)?;
         let merged_at = forest(sequence)?;
         let (merges, ranks) = spans(sequence, &merged_at);
@@ -129,15 +131,21 @@ impl Replay {
             sewn: Vec::new(),
             is_manifold: true,
         };
-        replay.find_all(size);
+        let is_proved = replay.find_all(size);
+        if !is_proved {
+            replay.sewn = sewn_by_looking(&replay);
+        }
         replay.find_links();
         replay.roots = (0..replay.len()).map(NodeId).filter(|&m| replay.parent(m).is_none()).collect();
         let bad = replay.nodes.iter().position(|node| !node.radius.is_finite());
-        bad.map_or(Ok(replay), |index| Err(InvalidSequence::NotFinite { what: "the radius of node", index }))
+        bad.map_or(Ok((replay, is_proved)), |index| {
+            Err(InvalidSequence::NotFinite { what: "the radius of node", index })
+        })
     }
 
-    /// What each node makes appear and what bounds it, in portions of about so many leaves.
-    fn find_all(&mut self, size: u32) {
+    /// What each node makes appear and what bounds it, in portions of about so many leaves; and whether that proves that no
+    /// node sews or pinches.
+    fn find_all(&mut self, size: u32) -> bool {
         let portions = Portions::new(self, size);
         let all = portions.len();
         let homes = self.homes(&portions);
@@ -146,14 +154,13 @@ impl Replay {
         let (input, found) = self.find_in(&portions, &homes, &nodes);
         drop(homes);
         self.take_in(&nodes, &found);
+        // What is across the cuts holds what is not.
         nodes[all].iter().for_each(|&m| self.saturate(NodeId(m)));
         self.is_manifold = input.is_manifold;
         let border = input.border.len() - found.iter().map(|found| found.border_gone).sum::<usize>();
-        let is_plain = input.is_manifold && self.links.is_empty() && found.iter().all(|found| found.is_plain);
+        let is_plain = input.is_manifold && found.iter().all(|found| found.is_plain);
         drop((input, found));
-        if !(is_plain && keeps_umbrellas(self, border)) {
-            self.sewn = sewn_by_looking(self);
-        }
+        is_plain && keeps_umbrellas(self, border)
     }
 
     /// The portion of each node, and its place there.
@@ -180,23 +187,23 @@ impl Replay {
             let nodes = &nodes[number];
             listen(&Portion { replay: self, homes, across: across as u32, number: number as u32, nodes, cells, border })
         };
-        let one = |number: usize| {
+        let find_one = |number: usize| {
             let cells = cells.of(number);
             let input = look_at_input(self, portions.leaves(number), &cells);
             let found = listen_to(number, &cells, &input.border);
             (input, found)
         };
-        let (inputs, mut found): (Vec<Input>, Vec<Found>) = (0..across).into_par_iter().map(one).unzip();
+        let (inputs, mut found): (Vec<Input>, Vec<Found>) = (0..across).into_par_iter().map(find_one).unzip();
         drop(cells);
         let mut border: Vec<[VertexId; 2]> = inputs.iter().flat_map(|input| &input.border).copied().collect();
         border.iter_mut().for_each(|edge| edge.sort_unstable());
         border.sort_unstable();
         border.dedup();
-        let mut left: Vec<u32> = found.iter_mut().flat_map(|found| std::mem::take(&mut found.crossed)).collect();
-        left.sort_unstable();
-        left.dedup();
-        let far = if nodes[across].is_empty() { [].as_slice() } else { &border };
-        found.push(listen_to(across, &left, far));
+        let mut crossing: Vec<u32> = found.iter_mut().flat_map(|found| std::mem::take(&mut found.crossed)).collect();
+        crossing.sort_unstable();
+        crossing.dedup();
+        let border_across = if nodes[across].is_empty() { [].as_slice() } else { &border };
+        found.push(listen_to(across, &crossing, border_across));
         (Input { is_manifold: inputs.iter().all(|input| input.is_manifold), border }, found)
     }
 
@@ -264,12 +271,18 @@ impl Replay {
     /// Grows a node's bound until it holds those under it, which have smaller ids.
     fn saturate(&mut self, m: NodeId) {
         let mut node = self.nodes[m.index()];
-        let center = self.positions[self.vertex(m).index()];
-        let mut under: Vec<NodeId> = self.children(m).collect();
-        under.sort_unstable();
-        under.into_iter().for_each(|child| include(&mut node, center, &self.bound(child)));
+        grow(&mut node, self, m, |child| self.bound(child));
         self.nodes[m.index()] = node;
     }
+}
+
+/// Grows the bound of node `m` until it holds those of the nodes under it, in their order.
+pub(super) fn grow(node: &mut Node, replay: &Replay, m: NodeId, bound_of: impl Fn(NodeId) -> Bound) {
+    let center = replay.positions[replay.vertex(m).index()];
+    let mut under = [None; 2];
+    under.iter_mut().zip(replay.children(m)).for_each(|(place, child)| *place = Some(child));
+    under.sort_unstable();
+    under.into_iter().flatten().for_each(|child| include(node, center, &bound_of(child)));
 }
 
 /// Grows the bound of a node about `center` until it holds that of one under it.

@@ -6,7 +6,7 @@
 //! triangles are followed one by one, and no mesh is made. All that a node is bounded by are the triangles around its two
 //! vertices just before and after it, and these are the triangles to which it happens.
 
-use super::build::include;
+use super::build::grow;
 use super::replay::{Node, Replay};
 use crate::bound::{Bound, Cone, NormalSum};
 use crate::cell::Cell;
@@ -39,7 +39,7 @@ pub(super) struct Portion<'a> {
 
 /// What is found out about a portion. Nodes are those of the portion, one after the other.
 pub(super) struct Found {
-    /// Bounded; by all that is under them too, but where they lie across cuts and so does what is under them.
+    /// Bounded; by all that is under them too, except those across the cuts, which are grown when all is together.
     pub(super) nodes: Vec<Node>,
     /// Where the triangles of each node begin, and where those of the last end.
     pub(super) starts: Vec<u32>,
@@ -102,7 +102,7 @@ struct Heard {
     has_triangles: bool,
     /// The squared distance of what is furthest from the merged vertex.
     reach: f64,
-    /// How many it takes away of the closed surface, and how many it leaves around its vertex.
+    /// How many triangles it takes away, and how many it leaves around its vertex, counting those of the cone.
     died: u32,
     around: u32,
     /// The third corner of the last one that died; none for the tip of the cone.
@@ -112,19 +112,21 @@ struct Heard {
 }
 
 impl Heard {
-    /// Hears of the normal of a triangle around one of the ends, or the merged vertex.
+    /// Hears the normal of a triangle around one of the ends, or the merged vertex.
     #[inline]
-    fn see(&mut self, normal: NormalSum) {
+    fn hear_normal(&mut self, normal: NormalSum) {
         self.normals.add(normal);
         self.has_triangles = true;
     }
 
+    /// Hears where a corner of such a triangle is.
     #[inline]
-    fn reaches(&mut self, from: DVec3, to: DVec3) {
-        self.reach = self.reach.max(from.distance_squared(to));
+    fn hear_place(&mut self, of_vertex: DVec3, place: DVec3) {
+        self.reach = self.reach.max(of_vertex.distance_squared(place));
     }
 
-    fn lose(&mut self, apex: VertexId) {
+    /// Hears that a triangle with this third corner dies.
+    fn hear_death(&mut self, apex: VertexId) {
         self.is_doubled |= self.died > 0 && self.apex == apex;
         self.died += 1;
         self.apex = apex;
@@ -136,7 +138,7 @@ impl Heard {
 }
 
 /// What is written down in the first pass over the lives, so that the second need not live them again: a normal, and the place
-/// of the node that made it; of nobody where a new life begins.
+/// of the node that made it; of nobody where it was not known before.
 type Entry = (u32, Vec3);
 
 /// The normal of a triangle as it is now: of length 1, or 0 without area.
@@ -222,27 +224,27 @@ impl Portion<'_> {
                 continue;
             };
             let before = known.unwrap_or_else(|| {
-                let first = Normal::of(life.corners.map(|v| self.at(v)));
-                log.push((ELSEWHERE, first.unit));
-                first
+                let now = Normal::of(life.corners.map(|v| self.at(v)));
+                log.push((ELSEWHERE, now.unit));
+                now
             });
-            heard.see(before.sum);
+            heard.hear_normal(before.sum);
             if dies {
                 let node = life.next[corner];
                 let apex = (0..3).find(|&i| life.next[i] != node).expect("two of three corners meet");
-                heard.reaches(self.at(self.replay.vertex(node)), self.at(life.corners[apex]));
-                heard.lose(life.corners[apex]);
+                heard.hear_place(self.at(self.replay.vertex(node)), self.at(life.corners[apex]));
+                heard.hear_death(life.corners[apex]);
                 log.push((place, before.unit));
                 return (Some(place), crosses);
             }
             self.pass(&mut life, corner);
             let points = life.corners.map(|v| self.at(v));
             let after = Normal::of(points);
-            heard.see(after.sum);
+            heard.hear_normal(after.sum);
             heard.around += 1;
             // One of them is the centre, whichever: no branch.
             let center = self.at(life.corners[corner]);
-            points.into_iter().for_each(|point| heard.reaches(center, point));
+            points.into_iter().for_each(|point| heard.hear_place(center, point));
             log.push((place, after.unit));
             known = Some(after);
         }
@@ -255,7 +257,7 @@ impl Portion<'_> {
         while let Some(Event { corner, place, dies }) = life.peek() {
             let heard = heard.get_mut(place as usize);
             if dies {
-                heard.into_iter().for_each(|heard| heard.lose(VertexId::NONE));
+                heard.into_iter().for_each(|heard| heard.hear_death(VertexId::NONE));
                 return place < BELOW;
             }
             heard.into_iter().for_each(|heard| heard.around += 1);
@@ -264,7 +266,7 @@ impl Portion<'_> {
         false
     }
 
-    /// The nodes with their bounds, grown until they hold those under them in the portion.
+    /// The nodes with their bounds, grown until they hold those under them, but across the cuts.
     fn bound(&self, heard: &[Heard], cones: &[Cone]) -> Vec<Node> {
         let replay = self.replay;
         let mut nodes: Vec<Node> = Vec::with_capacity(self.nodes.len());
@@ -275,15 +277,11 @@ impl Portion<'_> {
             let reach = reach.into_iter().fold(heard.reach, f64::max);
             let radius = ((reach.sqrt() * (1.0 + 1e-14)) as f32).next_up();
             let mut node = Node { radius, cone, ..*replay.node(m) };
-            let mut under = [None; 2];
-            let children = replay.children(m).filter(|_| self.number != self.across);
-            under.iter_mut().zip(children).for_each(|(place, child)| *place = Some(child));
-            under.sort_unstable();
-            for child in under.into_iter().flatten() {
-                let Node { error, radius, cone, .. } = &nodes[self.place(child) as usize];
-                let center = replay.positions[replay.vertex(child).index()];
-                let under = Bound { center, radius: *radius, error: *error, cone: *cone };
-                include(&mut node, replay.positions[made.index()], &under);
+            if self.number != self.across {
+                grow(&mut node, replay, m, |child| {
+                    let Node { error, radius, cone, .. } = nodes[self.place(child) as usize];
+                    Bound { center: replay.positions[replay.vertex(child).index()], radius, error, cone }
+                });
             }
             nodes.push(node);
         }

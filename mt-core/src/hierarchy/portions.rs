@@ -1,9 +1,9 @@
-//! A forest cut into portions that can be replayed by themselves, several at once: runs of leaf ranks, the merges within
-//! each, and the triangles around each.
+//! A forest cut into portions of which each can be told by itself what happens to its triangles, several at once: runs of leaf
+//! ranks, the nodes within each, and the triangles around each.
 //!
-//! Leaves are numbered along the forest, so a run of ranks is near in space, and nearly all merges lie within one run. Those
-//! that lie across a cut are a portion of their own, which is replayed when the others are done. Where the cuts are is a
-//! function of the forest, so threads change nothing.
+//! Leaves are numbered along the forest, so a run of ranks is near in space, and nearly all nodes lie within one run. Those
+//! that lie across a cut are a portion of their own, which comes when the others are done. Where the cuts are is a function of
+//! the forest, so threads change nothing.
 
 use super::replay::{Replay, Span};
 use crate::id::NodeId;

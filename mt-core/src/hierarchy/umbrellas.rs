@@ -122,17 +122,22 @@ pub(super) fn look_at_input(replay: &Replay, leaves: Range<u32>, cells: &[u32]) 
     input
 }
 
-/// Whether every merge leaves one umbrella around its vertex, and makes neighbours of none that were neighbours of both but
-/// those of the triangles that die. A yes is a proof; a no says that somebody has to look.
+/// Whether no merge sews or pinches: each leaves one umbrella, and its ends have no common neighbours but the third corners of
+/// the triangles that die. A yes is a proof; a no says that somebody has to look (an ear whose inner edge is merged is enough).
 ///
-/// Put a cone over the boundary, so that the surface is closed. Let it be a manifold at first; let every node take just two
-/// triangles away, with different third corners, and leave three or more around its vertex: that was asked while these
-/// triangles were followed. Then every node takes away an edge, and one more for every neighbour that its ends have in common,
-/// at least two. Of a closed surface without anything sewn there are three edges to two triangles. So if there are as many in the
-/// end, no two ends ever had a third neighbour in common; and then two links that are cycles are joined into one.
+/// Put a cone over the boundary, one tip for all of it, so that the surface is closed; let the input be a manifold; and let every
+/// node take just two triangles of the closed surface away, with different third corners, and leave three or more around its
+/// vertex. That was asked while the triangles were followed, `border` of which are left of the cone.
 ///
-/// In the end there are as many if every edge of the base mesh has one triangle or two, those with one meet two by two, and all
-/// that is left of the cone is over these: `border` triangles of it. O(base mesh, sorted).
+/// Count the edges, as images of those of the input, alike ones once. There are three for two triangles at first. A node takes
+/// two triangles away, and of edges the one between its ends and one for every neighbour that they have in common: two are there,
+/// so it is three or more. What is lost beyond three never comes back. So if there are three edges for two triangles in the
+/// end, no two ends ever had a third neighbour in common. Then two links that are cycles and meet in two vertices are joined
+/// into one cycle, which has as many vertices as there are triangles left, three or more.
+///
+/// In the end there are as many if every edge of the base mesh has one triangle or two, those with one meet two by two, and the
+/// cone has one triangle over each of these and no others. Modulo two, edges with one triangle are what has become of the
+/// boundary, so each has a triangle of the cone: if the numbers agree, one. O(base mesh, sorted).
 pub(super) fn keeps_umbrellas(replay: &Replay, border: usize) -> bool {
     let edges_of = |cell: [VertexId; 3]| (0..3).map(move |i| sides(&cell, i)).map(|[a, b]| [a.min(b), a.max(b)]);
     let mut edges: Vec<[VertexId; 2]> = replay.base_cells.iter().flat_map(|(_, cell)| edges_of(*cell)).collect();

@@ -6,7 +6,7 @@ use glam::Vec3;
 use mt_core::{Bound, Camera};
 
 /// One criterion everywhere, and another besides at outlines: where some normal of the cone is perpendicular to the
-/// direction from the eye to some point of the sphere.
+/// direction from the eye to some point of the sphere. Runs go the way of the one that is everywhere.
 #[derive(Clone, Debug)]
 pub struct Silhouette<C, D = C> {
     /// Where the eye is.
