@@ -106,5 +106,15 @@ fn print_json(value: &serde_json::Value) {
 /// Prints lines to standard output. A closed pipe is not an error.
 fn print_text(text: &str) {
     use std::io::Write;
-    _ = writeln!(std::io::stdout(), "{text}");
+    _ = writeln!(std::io::stdout(), "{}", visible(text));
+}
+
+/// The text without what a terminal would obey, or would turn around: names in files may be anything.
+fn visible(text: &str) -> String {
+    let is_plain = |c: char| {
+        matches!(c, '\n' | '\t')
+            || !(c.is_control()
+                || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}'))
+    };
+    text.chars().map(|c| if is_plain(c) { c.to_string() } else { c.escape_unicode().to_string() }).collect()
 }

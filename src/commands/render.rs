@@ -66,7 +66,7 @@ enum Overlay {
     Operations,
     /// Red where nobody asked for what others needed
     Forced,
-    /// Blue around whole fans, orange around partial ones
+    /// Blue around whole fans, orange around partial ones; of vertex hierarchies
     Fans,
     /// Colour by normal
     Normals,
@@ -208,6 +208,10 @@ impl Render {
         match self.subject.load()? {
             Model::Triangles(_) if self.shows(Overlay::Pieces) => {
                 let what = "is an explicit model; pieces are of a vertex hierarchy (build it with --dependency)";
+                Err(files::FileError::new(self.subject.path(), what).into())
+            }
+            Model::Triangles(_) if self.shows(Overlay::Fans) => {
+                let what = "is an explicit model, which knows a fan as one node; fans are of a vertex hierarchy (build it with --dependency)";
                 Err(files::FileError::new(self.subject.path(), what).into())
             }
             Model::Triangles(model) => {

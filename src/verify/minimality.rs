@@ -102,7 +102,8 @@ impl<'a, const N: usize, M: MultiTessellation<N, Bound = Bound>> Draw<'a, N, M> 
         // What is larger on the screen may not be coarser; what is farther may.
         let (unit, errors) = match by_size {
             true => (100.0, [errors[2], errors[1], errors[0]]),
-            false => (eye.distance(self.bound().center).max(f32::MIN_POSITIVE), errors),
+            // Far apart in a large model squares overflow; a quarter of the most leaves room for the last knot.
+            false => (eye.distance(self.bound().center).clamp(f32::MIN_POSITIVE, f32::MAX * 0.25), errors),
         };
         Transfer::new(eye, measure, [0.5, 1.0, 2.0].map(|at| at * unit).into_iter().zip(errors).collect())
             .expect("knots ascend, and so do tolerances")

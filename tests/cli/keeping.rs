@@ -141,6 +141,11 @@ fn a_hierarchy_is_drawn_certified_and_walked() {
         room.good(&command);
         assert!(overlay == "boundary" || room.read(&format!("{overlay}.png")) != room.read("ball.png"), "{overlay}");
     }
+    room.good("build ball.ply -o cells.mt --operator fan-merge");
+    for overlay in ["fans", "pieces"] {
+        let command = format!("render cells.mt --error 0.01 --overlay {overlay} -o none.png");
+        room.refused(&command, "cells.mt: is an explicit model");
+    }
     room.good("extract ball.mt --error 0.01 -o x.ply --certificate why.json");
     room.good("verify ball.mt --certificate why.json");
     room.good("bisect ball.mt --frames 4");

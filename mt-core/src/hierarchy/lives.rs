@@ -156,20 +156,40 @@ impl Normal {
     }
 }
 
+/// So many times as much is written down as there are triangles in a portion; of most meshes it is six. Where lives are longer,
+/// as around hubs, they are lived again instead.
+const ENTRIES: usize = 32;
+
 /// What the lives around a portion say about its nodes. O(lives).
 pub(super) fn listen(portion: &Portion) -> Found {
     let replay = portion.replay;
     let mut heard = vec![Heard::default(); portion.nodes.len()];
     let mut log: Vec<Entry> = Vec::with_capacity(8 * portion.cells.len());
+    let mut is_whole = true;
     let mut deaths: Vec<(u32, CellId)> = Vec::with_capacity(portion.cells.len());
     let mut crossed = Vec::new();
     for &cell in portion.cells {
+        if log.len() > ENTRIES * portion.cells.len() {
+            log.clear();
+            is_whole = false;
+        }
         let (died, crosses) = portion.live(replay.cells[cell as usize], &mut heard, &mut log);
         deaths.extend(died.map(|place| (place, CellId(cell))));
         crossed.extend(crosses.then_some(cell));
     }
     let border_gone = portion.border.iter().filter(|edge| portion.live_on_border(**edge, &mut heard)).count();
-    let cones = cones(&heard, &log);
+    let mut spread = Spread::new(&heard);
+    if is_whole {
+        spread.see(&log);
+    } else {
+        let mut again = heard.clone();
+        for &cell in portion.cells {
+            log.clear();
+            portion.live(replay.cells[cell as usize], &mut again, &mut log);
+            spread.see(&log);
+        }
+    }
+    let cones = spread.cones(&heard);
     let (starts, born) = by_place(&deaths, portion.nodes.len());
     let is_plain = heard.iter().all(Heard::is_plain);
     Found { nodes: portion.bound(&heard, &cones), starts, born, crossed, is_plain, border_gone }
@@ -289,26 +309,38 @@ impl Portion<'_> {
     }
 }
 
-/// The cones of all normals that nodes have heard of.
-fn cones(heard: &[Heard], log: &[Entry]) -> Vec<Cone> {
-    let axes: Vec<Option<Vec3>> = heard.iter().map(|heard| heard.normals.axis()).collect();
-    // Of each axis the least that a normal has along it.
-    let mut all: Vec<(Vec3, f32)> = axes.iter().map(|axis| (axis.unwrap_or(Vec3::ZERO), 1.0)).collect();
-    let mut before = Vec3::ZERO;
-    for &(place, normal) in log {
-        if let Some((axis, least)) = all.get_mut(place as usize) {
-            for along in [before.dot(*axis), normal.dot(*axis)] {
-                *least = if along < *least { along } else { *least };
-            }
-        }
-        before = normal;
+/// How far the normals that nodes hear of are from the axis of all of them.
+struct Spread {
+    /// Of each node the axis, and the least that a normal has along it.
+    all: Vec<(Option<Vec3>, f32)>,
+}
+
+impl Spread {
+    fn new(heard: &[Heard]) -> Self {
+        Self { all: heard.iter().map(|heard| (heard.normals.axis(), 1.0)).collect() }
     }
-    let cone = |((heard, axis), (_, least)): ((&Heard, Option<Vec3>), (Vec3, f32))| match axis {
-        Some(axis) => Cone::about(axis, least),
-        None if heard.has_triangles => Cone::ALL,
-        None => Cone::EMPTY,
-    };
-    heard.iter().zip(axes).zip(all).map(cone).collect()
+
+    /// Looks at whole lives.
+    fn see(&mut self, lives: &[Entry]) {
+        let mut before = Vec3::ZERO;
+        for &(place, normal) in lives {
+            if let Some((Some(axis), least)) = self.all.get_mut(place as usize) {
+                for along in [before.dot(*axis), normal.dot(*axis)] {
+                    *least = if along < *least { along } else { *least };
+                }
+            }
+            before = normal;
+        }
+    }
+
+    fn cones(self, heard: &[Heard]) -> Vec<Cone> {
+        let cone = |(heard, (axis, least)): (&Heard, (Option<Vec3>, f32))| match axis {
+            Some(axis) => Cone::about(axis, least),
+            None if heard.has_triangles => Cone::ALL,
+            None => Cone::EMPTY,
+        };
+        heard.iter().zip(self.all).map(cone).collect()
+    }
 }
 
 /// Where the triangles of each of so many nodes begin, and the triangles.

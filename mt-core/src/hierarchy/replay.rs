@@ -275,8 +275,9 @@ impl Replay {
         self.is_manifold && self.sewn.is_empty()
     }
 
-    /// The nodes that sew sheets together or pinch them: those whose merged vertex is not the centre of one umbrella, or whose
-    /// ends have a neighbour in common that is no corner of a triangle that dies.
+    /// The nodes that sew sheets together or pinch them: those whose merged vertex is not the centre of one umbrella, whose ends
+    /// have a neighbour in common that is no corner of a triangle that dies, or are both on the boundary while the edge between
+    /// them is not.
     pub fn sewn(&self) -> &[NodeId] {
         &self.sewn
     }

@@ -113,9 +113,12 @@ fn sewn_by_looking(replay: &Replay) -> Vec<NodeId> {
     let sews = |m: &NodeId| {
         let [near, also_near] = replay.ends(*m).map(|end| neighbours(&mesh, end));
         let shared = near.intersection(&also_near).count();
+        let ends = replay.ends(*m);
+        let on_border = |v: VertexId| neighbours(&mesh, v).iter().any(|&w| mesh.faces.edge_degree(v, w) == 1);
+        let pinches = mesh.faces.edge_degree(ends[0], ends[1]) == 2 && ends.into_iter().all(on_border);
         replay.coarsen(*m, &mut mesh, &mut ());
         mesh.faces.link_edges(replay.vertex(*m), &mut edges);
-        shared != replay.born(*m).len() || links.fan(&edges) == super::umbrellas::Fan::Other
+        pinches || shared != replay.born(*m).len() || links.fan(&edges) == super::umbrellas::Fan::Other
     };
     (0..replay.len()).map(NodeId).filter(sews).collect()
 }

@@ -122,8 +122,7 @@ pub(super) fn look_at_input(replay: &Replay, leaves: Range<u32>, cells: &[u32]) 
     input
 }
 
-/// Whether no merge sews or pinches: each leaves one umbrella, and its ends have no common neighbours but the third corners of
-/// the triangles that die. A yes is a proof; a no says that somebody has to look (an ear whose inner edge is merged is enough).
+/// Whether no merge sews or pinches: see [`Replay::sewn`]. A yes is a proof; a no says that somebody has to look.
 ///
 /// Put a cone over the boundary, one tip for all of it, so that the surface is closed; let the input be a manifold; and let every
 /// node take just two triangles of the closed surface away, with different third corners, and leave three or more around its
@@ -160,8 +159,12 @@ pub(super) fn sewn_by_looking(replay: &Replay) -> Vec<NodeId> {
     let (mut links, mut edges) = (Links::default(), Vec::new());
     // Of each vertex: the last node near whose first end it was, and the last near both of whose ends.
     let mut near = vec![[NodeId::NONE; 2]; replay.vertex_count() as usize];
+    let mut ring = Vec::new();
     let mut sews = |m: NodeId| {
         let ([stays, child], into) = (replay.ends(m), replay.vertex(m));
+        let born = replay.born(m).len();
+        // The tip of the cone is a neighbour of both as well.
+        let pinches = born == 2 && [stays, child].iter().all(|&end| is_on_border(&mesh, end, &mut ring));
         mesh.star(stays).for_each(|(slot, i)| sides(mesh.cell(slot), i).iter().for_each(|w| near[w.index()][0] = m));
         let mut shared = 0;
         for (slot, i) in mesh.star(child) {
@@ -176,7 +179,15 @@ pub(super) fn sewn_by_looking(replay: &Replay) -> Vec<NodeId> {
             .filter(|&end| end != into)
             .for_each(|end| mesh.join_star(end, into, |_, _, _, _| {}));
         mesh.link_edges(into, &mut edges);
-        shared != replay.born(m).len() || links.fan(&edges) == Fan::Other
+        pinches || shared != born || links.fan(&edges) == Fan::Other
     };
     (0..replay.len()).map(NodeId).filter(|m| sews(*m)).collect()
+}
+
+/// Whether an edge at `v` has one triangle.
+fn is_on_border(mesh: &Complex<3>, v: VertexId, ring: &mut Vec<VertexId>) -> bool {
+    ring.clear();
+    mesh.star(v).for_each(|(slot, i)| ring.extend(sides(mesh.cell(slot), i)));
+    ring.sort_unstable();
+    ring.chunk_by(|a, b| a == b).any(|run| run.len() == 1)
 }

@@ -118,7 +118,7 @@ pub const BINDINGS: [Binding; 33] = [
     bind(Key::R, false, Action::Record, "record the camera's path, or stop"),
     bind(Key::Space, false, Action::Follow, "follow the path, or stop"),
     bind(Key::I, false, Action::Pick, "inspect what is in the middle (or click)"),
-    bind(Key::Escape, false, Action::Unpick, "inspect nothing"),
+    bind(Key::Escape, false, Action::Unpick, "close this help, or inspect nothing"),
     bind(Key::P, false, Action::SavePicture, "save the picture, with what makes it again"),
     bind(Key::P, true, Action::SaveWindow, "save the whole window"),
     bind(Key::K, false, Action::SavePath, "save the path, as studies and movies take it"),

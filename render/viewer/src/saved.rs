@@ -82,8 +82,13 @@ fn command(viewer: &Viewer, pane: &Pane) -> Option<String> {
         StrategyKind::Incremental | StrategyKind::Priority => is_static,
         _ => false,
     };
-    // The last steps are known to the window alone, and so is what was pointed at.
-    let is_told = shown.tint != Tint::Operations && pane.picked.is_none() && !pane.is_held;
+    // The last steps are known to the window alone, and so is what was pointed at; cells know of no fans.
+    let has_colours = match shown.tint {
+        Tint::Operations => false,
+        Tint::Fans => pane.choice.dependency != DependencyKind::Cells,
+        _ => true,
+    };
+    let is_told = has_colours && pane.picked.is_none() && !pane.is_held;
     if ask.criterion != CriterionKind::Screen || !goes_afresh || !is_told {
         return None;
     }

@@ -224,7 +224,10 @@ impl Viewer {
 
     /// Does what needs neither window nor file, in a picture of this size; what is left to do.
     pub fn act(&mut self, action: Action, size: [u32; 2]) -> Option<Chore> {
-        self.message.clear();
+        // A picture of the window has what stands in it.
+        if action != Action::SaveWindow {
+            self.message.clear();
+        }
         let each = |panes: &mut [Pane], go: fn(&mut Pane)| panes.iter_mut().for_each(go);
         match action {
             Action::Help => self.is_help_shown ^= true,
@@ -235,7 +238,7 @@ impl Viewer {
             }
             Action::Fit => self.pilot.fit(),
             Action::Wire => self.shown.wire ^= true,
-            Action::NextTint => self.shown.tint = next(&Tint::ALL, self.shown.tint, 1),
+            Action::NextTint => self.next_tint(),
             Action::Edges => self.shown.edges ^= true,
             Action::Outline => self.shown.outline ^= true,
             Action::Pieces => self.show_pieces(),
@@ -256,6 +259,7 @@ impl Viewer {
             Action::Now => each(&mut self.panes, Pane::go_on),
             Action::Record => self.record(),
             Action::Follow => self.follow_path(),
+            Action::Unpick if self.is_help_shown => self.is_help_shown = false,
             Action::Unpick => each(&mut self.panes, |pane| pane.picked = None),
             Action::Pick => {
                 let camera = self.camera(size);
@@ -268,6 +272,15 @@ impl Viewer {
             Action::Quit => return Some(Chore::Close),
         }
         None
+    }
+
+    fn next_tint(&mut self) {
+        self.shown.tint = next(&Tint::ALL, self.shown.tint, 1);
+        if self.shown.tint == Tint::Fans
+            && self.panes.iter().all(|pane| pane.choice.dependency == DependencyKind::Cells)
+        {
+            self.message = "cells know a fan as one node: choose another scheme to see which are whole".into();
+        }
     }
 
     fn show_pieces(&mut self) {

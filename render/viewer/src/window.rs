@@ -323,7 +323,8 @@ fn keyed(ui: &Ui) -> Vec<Action> {
         if is_taken || modifiers.command || modifiers.alt || (repeat && !repeats) {
             return None;
         }
-        if key == Key::Questionmark {
+        // Some keyboards tell of the key, some of what is written on it.
+        if key == Key::Questionmark || key == Key::Slash && modifiers.shift {
             return Some(Action::Help);
         }
         BINDINGS.iter().find(|binding| (binding.key, binding.shift) == (key, modifiers.shift)).map(|found| found.action)
@@ -338,9 +339,13 @@ fn hold(ui: &Ui, viewer: &mut Viewer) -> bool {
     }
     let is_busy = ui.memory(|memory| memory.focused().is_some());
     let (time, way, turn, zoom) = ui.input(|input| {
-        // Between two slow frames a key may be pressed and let go.
+        // Between two slow frames a key may be pressed and let go, and what was held with it as well.
         let is_down = |key| input.key_down(key) || input.key_pressed(key);
-        let one = |key| f32::from(is_down(key) && !input.modifiers.any());
+        let is_pressed = |event: &egui::Event, wanted| {
+            matches!(event, &egui::Event::Key { key, pressed: true, modifiers, .. } if key == wanted && !modifiers.any())
+        };
+        let is_held = |key| input.key_down(key) && !input.modifiers.any();
+        let one = |key| f32::from(is_held(key) || input.events.iter().any(|event| is_pressed(event, key)));
         let way = Vec3::new(one(Key::D) - one(Key::A), one(Key::E) - one(Key::Q), one(Key::W) - one(Key::S));
         // A widget that has the focus takes the arrows.
         let arrow = |key| if is_busy { 0.0 } else { one(key) };
