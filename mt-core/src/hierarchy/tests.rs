@@ -351,6 +351,25 @@ fn bounds_are_what_looking_finds() {
     }
 }
 
+/// Vertices without triangles join the tip of a cone one after the other, so that each of its triangles has a life as long as the
+/// sequence.
+#[test]
+fn long_lives_are_lived_again_and_not_written_down() {
+    let mut mesh = generate::octahedron();
+    let rim = mesh.vertex_count();
+    mesh.positions.extend((0..400).map(|i| Vec3::new((i % 7) as f32, (i % 5) as f32, (i % 3) as f32)));
+    let mut sequence = Sequence::new(&mesh);
+    let mut tip = VertexId(0);
+    for i in rim..mesh.positions.len() {
+        tip = sequence.push(tip, [VertexId::new(i)], [0.1], mesh.positions[i] * 0.5, false);
+    }
+    for size in [9, u32::MAX] {
+        let (replay, _) = Replay::in_portions(&mesh, &[], &sequence, size).unwrap();
+        let told: Vec<_> = (0..replay.len()).map(|m| replay.bound(NodeId(m))).collect();
+        assert!(told == bounds_by_looking(&replay), "portions of {size}");
+    }
+}
+
 #[test]
 fn sequences_that_are_none_are_refused() {
     let mesh = generate::octahedron();
