@@ -96,7 +96,7 @@ pub const BINDINGS: [Binding; 33] = [
     bind(Key::G, false, Action::Flight, "orbit or fly"),
     bind(Key::Home, false, Action::Fit, "see the whole model"),
     bind(Key::W, true, Action::Wire, "edges of the triangles"),
-    bind(Key::T, false, Action::NextTint, "next colours: error, level, operations, forced, fans"),
+    bind(Key::T, false, Action::NextTint, "next colours: error, level, normals, operations, forced, fans"),
     bind(Key::B, false, Action::Edges, "boundary blue, edges of many triangles violet, cracks red"),
     bind(Key::O, false, Action::Outline, "outline"),
     bind(Key::U, false, Action::Pieces, "dual pieces over the input"),

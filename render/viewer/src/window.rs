@@ -320,12 +320,16 @@ fn keyed(ui: &Ui) -> Vec<Action> {
         let repeats = matches!(key, Key::Comma | Key::Period | Key::OpenBracket | Key::CloseBracket);
         // A widget that has the focus takes these.
         let is_taken = is_busy && matches!(key, Key::Space | Key::Enter);
-        if is_taken || modifiers.command || modifiers.alt || (repeat && !repeats) {
+        if is_taken || modifiers.command || modifiers.alt {
             return None;
         }
-        // Some keyboards tell of the key, some of what is written on it.
+        // Some keyboards tell of the key, some of what is written on it. Where shift goes up first another key is let go than was
+        // pressed, and every later press passes for a repeated one.
         if key == Key::Questionmark || key == Key::Slash && modifiers.shift {
             return Some(Action::Help);
+        }
+        if repeat && !repeats {
+            return None;
         }
         BINDINGS.iter().find(|binding| (binding.key, binding.shift) == (key, modifiers.shift)).map(|found| found.action)
     };
