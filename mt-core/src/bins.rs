@@ -22,18 +22,8 @@ impl Bins {
                 let told = *told;
                 (0..K).filter(move |&k| !told[..k].contains(&told[k])).map(move |k| told[k])
             };
-            let mut starts = vec![0u32; bins + 1];
-            told.iter().flat_map(once).for_each(|bin| starts[bin + 1] += 1);
-            (0..bins).for_each(|bin| starts[bin + 1] += starts[bin]);
-            let mut next = starts.clone();
-            let mut items = vec![0; starts[bins] as usize];
-            for (number, told) in (first..).zip(&told) {
-                for bin in once(told) {
-                    items[next[bin] as usize] = number;
-                    next[bin] += 1;
-                }
-            }
-            (starts, items)
+            let numbered = (first..).zip(&told);
+            rows(bins, 0, numbered.flat_map(|(number, told)| once(told).map(move |bin| (bin, number))))
         };
         let chunks = (0..count.div_ceil(size)).into_par_iter().map(|i| chunk(i * size)).collect();
         Self { chunks }
@@ -46,6 +36,25 @@ impl Bins {
         rows().for_each(|row| all.extend_from_slice(row));
         all
     }
+}
+
+/// Things by the number of their row, in their order within each: where each of `count` rows begins, with one more entry, and
+/// the things. Entries are asked for twice; `filler` is any thing. O(rows + things).
+pub(crate) fn rows<T: Copy>(
+    count: usize,
+    filler: T,
+    entries: impl Iterator<Item = (usize, T)> + Clone,
+) -> (Vec<u32>, Vec<T>) {
+    let mut starts = vec![0u32; count + 1];
+    entries.clone().for_each(|(row, _)| starts[row + 1] += 1);
+    (0..count).for_each(|row| starts[row + 1] += starts[row]);
+    let mut next = starts.clone();
+    let mut things = vec![filler; starts[count] as usize];
+    for (row, thing) in entries {
+        things[next[row] as usize] = thing;
+        next[row] += 1;
+    }
+    (starts, things)
 }
 
 #[cfg(test)]

@@ -118,3 +118,14 @@ fn visible(text: &str) -> String {
     };
     text.chars().map(|c| if is_plain(c) { c.to_string() } else { c.escape_unicode().to_string() }).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_shown_and_not_obeyed() {
+        assert_eq!(visible("armadillo.obj\tby é\n"), "armadillo.obj\tby é\n");
+        assert_eq!(visible("\u{1b}[2J\u{202e}gpj"), "\\u{1b}[2J\\u{202e}gpj");
+    }
+}

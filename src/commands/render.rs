@@ -206,12 +206,8 @@ impl Render {
     /// Extracts what is to be drawn, and what colours it.
     fn selected(&self, camera: Option<&Camera>) -> Result<Selected, CommandError> {
         match self.subject.load()? {
-            Model::Triangles(_) if self.shows(Overlay::Pieces) => {
-                let what = "is an explicit model; pieces are of a vertex hierarchy (build it with --dependency)";
-                Err(files::FileError::new(self.subject.path(), what).into())
-            }
-            Model::Triangles(_) if self.shows(Overlay::Fans) => {
-                let what = "is an explicit model, which knows a fan as one node; fans are of a vertex hierarchy (build it with --dependency)";
+            Model::Triangles(_) if self.shows(Overlay::Pieces) || self.shows(Overlay::Fans) => {
+                let what = "is an explicit model; pieces and partial fans are of a vertex hierarchy (build it with --dependency)";
                 Err(files::FileError::new(self.subject.path(), what).into())
             }
             Model::Triangles(model) => {

@@ -209,3 +209,15 @@ fn a_certificate_proves_a_front_the_least() {
     room.refused("verify ball.ply --certificate why.json", "ball.ply");
     assert_eq!(room.run("extract ball.mt --cells 90 -o part.ply --certificate why.json").code, Some(2));
 }
+
+#[test]
+fn models_of_any_size_are_verified() {
+    let room = ball();
+    // Squares of such lengths are beyond single precision, and so are sums of some.
+    let mut large = generate::octahedron();
+    large.positions.iter_mut().for_each(|p| *p *= 4e18);
+    room.put("large.ply", &large);
+    for seed in 1..4 {
+        room.good(&format!("verify large.ply --dependency dual-piece --fronts 100 --seed {seed}"));
+    }
+}

@@ -8,6 +8,7 @@
 
 use super::build::grow;
 use super::replay::{Node, Replay};
+use crate::bins::rows;
 use crate::bound::{Bound, Cone, NormalSum};
 use crate::cell::Cell;
 use crate::id::{CellId, NodeId, VertexId};
@@ -190,7 +191,8 @@ pub(super) fn listen(portion: &Portion) -> Found {
         }
     }
     let cones = spread.cones(&heard);
-    let (starts, born) = by_place(&deaths, portion.nodes.len());
+    let by_place = deaths.iter().map(|&(place, cell)| (place as usize, cell));
+    let (starts, born) = rows(portion.nodes.len(), CellId::NONE, by_place);
     let is_plain = heard.iter().all(Heard::is_plain);
     Found { nodes: portion.bound(&heard, &cones), starts, born, crossed, is_plain, border_gone }
 }
@@ -341,19 +343,4 @@ impl Spread {
         };
         heard.iter().zip(self.all).map(cone).collect()
     }
-}
-
-/// Where the triangles of each of so many nodes begin, and the triangles.
-fn by_place(deaths: &[(u32, CellId)], count: usize) -> (Vec<u32>, Vec<CellId>) {
-    let mut starts = vec![0; count + 1];
-    deaths.iter().for_each(|(place, _)| starts[*place as usize + 1] += 1);
-    (0..count).for_each(|place| starts[place + 1] += starts[place]);
-    let mut next = starts.clone();
-    let mut born = vec![CellId::NONE; deaths.len()];
-    for &(place, cell) in deaths {
-        let at = &mut next[place as usize];
-        born[*at as usize] = cell;
-        *at += 1;
-    }
-    (starts, born)
 }

@@ -3,6 +3,7 @@
 //! Mostly nobody needs to look: see [`keeps_umbrellas`].
 
 use super::replay::Replay;
+use crate::bins::rows;
 use crate::cell::{is_short_cycle, sides};
 use crate::complex::Complex;
 use crate::id::{NodeId, VertexId};
@@ -94,19 +95,10 @@ pub(super) fn look_at_input(replay: &Replay, leaves: Range<u32>, cells: &[u32]) 
         all.flat_map(|cell| (0..3).map(move |i| (cell[i], sides(cell, i))))
     };
     let place = |v: VertexId| Some((replay.rank(v).wrapping_sub(leaves.start)) as usize).filter(|&place| place < count);
-    let mut starts = vec![0u32; count + 1];
-    corners().filter_map(|(v, _)| place(v)).for_each(|place| starts[place + 1] += 1);
-    (0..count).for_each(|place| starts[place + 1] += starts[place]);
-    let mut next = starts.clone();
-    let mut edges = vec![[VertexId::NONE; 2]; starts[count] as usize];
+    let own = || corners().filter_map(|(v, edge)| Some((place(v)?, v, edge)));
+    let (starts, edges) = rows(count, [VertexId::NONE; 2], own().map(|(place, _, edge)| (place, edge)));
     let mut leaf = vec![VertexId::NONE; count];
-    for (v, edge) in corners() {
-        if let Some(place) = place(v) {
-            leaf[place] = v;
-            edges[next[place] as usize] = edge;
-            next[place] += 1;
-        }
-    }
+    own().for_each(|(place, v, _)| leaf[place] = v);
     let mut input = Input { is_manifold: true, border: Vec::new() };
     let mut links = Links::default();
     for (row, &v) in starts.windows(2).zip(&leaf).filter(|(_, v)| !v.is_none()) {
